@@ -225,6 +225,23 @@ def _view(options: argparse.Namespace) -> None:
     webbrowser.open(page.resolve().as_uri())
 
 
+def _live(options: argparse.Namespace) -> None:
+    from softffd.scene.scene import load_scene
+    from softffd.show.live.page import write_live
+
+    page: Path = options.output
+    require_writable(page.parent)
+    if not options.overwrite:
+        require_new([page], "another name by -o X.html")
+    with ProgressLine("reading the scene") as progress:
+        write_live(load_scene(options.scene), page, stage=progress.stage)
+    print(f"{page}: {page.stat().st_size / 1e6:.2f} MB; it needs nothing but a browser")
+    if options.view:
+        import webbrowser
+
+        webbrowser.open(page.resolve().as_uri())
+
+
 def _info(options: argparse.Namespace) -> None:
     from softffd.cli.info import told_info
     from softffd.fmu.component import Component
@@ -245,5 +262,5 @@ def _schema(_options: argparse.Namespace) -> None:
 
 COMMANDS: dict[str, Callable[[argparse.Namespace], None]] = {
     "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _sweep, "accuracy": _accuracy,
-    "drivers": _drivers, "scenes": _scenes, "view": _view, "info": _info, "new": _new, "schema": _schema,
+    "drivers": _drivers, "scenes": _scenes, "view": _view, "live": _live, "info": _info, "new": _new, "schema": _schema,
 }  # fmt: skip

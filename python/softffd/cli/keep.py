@@ -20,7 +20,9 @@ from softffd.run.result import Result
 from softffd.run.result_file import KEPT
 from softffd.run.simulate import simulate
 from softffd.scene.new import scene_of_mesh
+from softffd.run.tables import read_csv
 from softffd.scene.scene import Scene, load_scene, scene_from
+from softffd.show.live.scene import is_recording, live_scene
 from softffd.show.touch import narrow_contact
 
 RESULTS = (KEPT, "result.csv", "summary.json")  # what every run is kept in
@@ -50,6 +52,10 @@ def run_scene_or_fmu(
     scene_or_fmu = _mesh_scene(Path(what), error, given) if is_mesh else _opened(what, error)
     if inputs is None and is_mesh:
         inputs = {}
+    if isinstance(inputs, Path) and isinstance(scene_or_fmu, Scene) and is_recording(inputs):
+        scene_or_fmu = live_scene(scene_or_fmu)
+        asked = asked | {"open_end": True, "stop_time": asked.get("stop_time") or float(read_csv(inputs)["time"][-1])}
+        print(f"{inputs}: recorded by softffd live; the scene runs as it did there, with inputs of its own", flush=True)
     try:
         return _with_findings(simulate(scene_or_fmu, inputs=inputs, **asked))
     except Interrupted as interrupt:

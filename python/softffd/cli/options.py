@@ -179,6 +179,14 @@ def _others(add: Add) -> None:
     view = add("view", "Open the interactive page of a run that was kept.", "softffd view softffd-press")
     view.add_argument("what", type=Path, metavar="DIR|X.npz", help="Folder of softffd run, or file of Result.save.")
 
+    about = "Write the page in which a scene is simulated in a browser, where obstacles, pins and the object are moved by hand."
+    live = add("live", about, "softffd live press")
+    live.add_argument("scene", metavar="SCENE", help=SCENE)
+    page = "File to write; default: live.html in this folder."
+    live.add_argument("-o", "--output", type=Path, default=Path("live.html"), metavar="X.html", help=page)
+    _add_overwrite(live, "a file that exists")
+    live.add_argument("--view", action="store_true", help="Open the page when it is written.")
+
     about = "List the variables of a scene or an FMU with causality, unit and start value, and the frames of its pins."
     info = add("info", about, "softffd info press")
     info.add_argument("what", metavar="SCENE|X.fmu", help=SCENE_OR_FMU)

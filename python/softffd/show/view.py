@@ -71,9 +71,11 @@ def page_text(result: Result) -> str:
     return page_of(run, source=text_of("softffd.show", "view_recorded.js"))
 
 
-def page_of(run: dict[str, Any], *, source: str) -> str:
-    """The page of what `view_drawing.js` calls the run, and of the script that makes its source."""
-    return filled("softffd.show", "view.html", {"title": html.escape(run["title"]), "run": as_json(run), "source": source})
+def page_of(run: dict[str, Any], *, source: str, policy: str = "", style: str = "", panel: str = "", data: str = "") -> str:
+    """The page of what `view_drawing.js` calls the run, and of the script that makes its source; what else that needs: what scripts
+    may do, rules of style, controls, and elements with data."""
+    parts = {"source": source, "policy": policy, "style": style, "panel": panel, "data": data}
+    return filled("softffd.show", "view.html", parts | {"title": html.escape(run["title"]), "run": as_json(run)})
 
 
 def as_json(data: Any) -> str:
@@ -189,7 +191,7 @@ def _touch(result: Result, stage: Stage, frames: np.ndarray) -> dict[str, Any]:
 
 def _rows(result: Result, stage: Stage, frames: np.ndarray) -> list[dict[str, Any]]:
     """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J]."""
-    marks = {each.name: _hex(each.tint) for each in stage.obstacles}
+    marks = {each.name: hex_of(each.tint) for each in stage.obstacles}
     rows = []
     for part, force in reactions(result).items():
         mark = marks.get(part.name, "var(--pin)") if part.is_obstacle else "var(--pin)"
@@ -206,7 +208,8 @@ def _row(label: str, kind: str, unit: str, mark: str, values: np.ndarray, vector
     return texts | {"values": _text(values, "<f4"), "vectors": None if vectors is None else _text(vectors, "<f4")}
 
 
-def _hex(tint: Tint) -> str:
+def hex_of(tint: Tint) -> str:
+    """The colour of an obstacle's words and curves."""
     return "#" + "".join(f"{round(255 * 0.8 * c):02x}" for c in tint)
 
 

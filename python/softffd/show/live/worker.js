@@ -1,0 +1,165 @@
+// The worker of a live page. It owns the component and the record of what is done; the page owns the clock, and asks for time.
+// `component.js` stands before it. One message, one answer, which names what was asked for:
+//   { open, wasm }              a frame                      the scene, and what is known of its variables (page.py); the library
+//   { run, budget, hand }       a frame, steps, took [ms]    until a time [s]; within a budget [ms]; hand: null, { part, target }: an obstacle or
+//                                                            pin, or { weights, target, stiffness, damping, most }: the object, in world places
+//   { set: values }             a frame                      the tunable parameters, all
+//   { save } { restore }        { saved: t } a frame, values
+//   { again } { recording }     a frame { recording: csv }
+// A frame is { frame: t, points, outputs, parts, pull, at }. Beside answers: { told: text }; in place of one: { failed: text }.
+class LiveRun {
+  constructor(component, opened) {
+    this.component = component;
+    this.opened = opened;
+    this.inputs = component.block(opened.inputs);
+    this.positions = component.block(opened.positions);
+    this.outputs = component.block(opened.outputs);
+    this.tuned = opened.parameters.map(each => component.block([each.reference]));
+    this.wanted = opened.parameters.map(each => each.start);
+    this.begin();
+  }
+  // From the start, with the parameters that are wanted now.
+  begin() {
+    const { component, opened } = this;
+    component.setup(0);
+    this.values = opened.parameters.map(each => each.start);
+    this.tune();
+    this.first = [...this.values];
+    Object.assign(this, { count: 0, record: [], hand: null, before: null, parts: opened.parts.map(part => ({ ...part, point: [...part.point] })) });
+    this.write_inputs();
+    component.initialize();
+    this.look();
+  }
+  again() {
+    this.component.reset();
+    this.begin();
+  }
+  get time() { return this.count * this.opened.h; }    // a multiple of the step, as `softffd run` counts
+  look() { this.points = Float64Array.from(this.component.get(this.positions)); }
+
+  // Hands over the parameters that have changed, these alone: setting one makes the component prepare the body anew.
+  tune() {
+    const changed = [];
+    this.wanted.forEach((value, n) => {
+      if (value === this.values[n]) return;
+      this.tuned[n].values[0] = this.values[n] = value;
+      this.component.set(this.tuned[n]);
+      changed.push(n);
+    });
+    return changed;
+  }
+  set(values) {
+    this.wanted = [...values];
+    if (this.count === 0) this.again();                // before the first step they are start values
+  }
+
+  // Obstacles and pins go on at their own speed, or towards the hand: their points and velocities agree, so that nothing jumps.
+  write_inputs() {
+    const { h, most_speed, starts, forces } = this.opened, values = this.inputs.values;
+    values.set(starts);
+    this.parts.forEach((part, n) => {
+      part.velocity = part.drift;
+      if (this.hand?.part === n || part.taken) {
+        part.taken = true;                             // what was held once stays where it was let go
+        const way = this.hand?.part === n ? this.hand.target.map((x, a) => x - part.point[a]) : [0, 0, 0], length = Math.hypot(...way);
+        const speed = Math.min(length / Math.max(3 * h, 0.02), most_speed);
+        part.velocity = length > 1e-9 * most_speed ? way.map(x => x / length * speed + 0) : [0, 0, 0];
+      }
+      values.set(part.point, part.at);
+      values.set(part.velocity, part.speed);
+    });
+    this.pull = this.pulled();
+    if (this.pull) for (const [p, w] of this.hand.weights) for (let a = 0; a < 3; a++) values[forces + 3 * p + a] = w * this.pull[a] + 0;   // no -0, which the record has not
+    this.component.set(this.inputs);
+  }
+  // The force on the place that the hand holds [N]: a spring and a dashpot, bounded.
+  pulled() {
+    if (!this.hand?.weights) return this.before = null;
+    const { target, stiffness, damping, most } = this.hand, at = this.held_place(), before = this.before || at;
+    const force = at.map((x, a) => stiffness * (target[a] - x) - damping * (x - before[a]) / this.opened.h), size = Math.hypot(...force);
+    this.before = at;
+    return size > most ? force.map(f => f * most / size) : force;
+  }
+  held_place() {
+    return [0, 1, 2].map(a => this.hand.weights.reduce((sum, [p, w]) => sum + w * this.points[3 * p + a], 0));
+  }
+  step() {
+    const changed = this.tune();
+    if (this.count === 0) this.hand = null;            // its inputs were handed over before the initialization ended
+    else this.write_inputs();
+    this.record.push({ moving: this.inputs.values.slice(0, this.opened.forces), pull: this.pull, weights: this.hand?.weights,
+      tuned: changed.map(n => [n, this.values[n]]) });
+    const status = this.component.step(this.time, this.opened.h);
+    if (status > 1) throw new Error(`the step at ${this.time} s was refused`);
+    for (const part of this.parts) part.point = part.point.map((x, a) => x + part.velocity[a] * this.opened.h);
+    this.count++;
+    this.look();
+  }
+  // Whole communication steps until a time, or until the budget [ms] is spent.
+  run(until, budget, hand) {
+    const began = performance.now(), first = this.count;
+    while ((this.count + 1) * this.opened.h <= until + 1e-6 * this.opened.h && (this.count === first || performance.now() - began < budget)) {
+      this.hand = hand;
+      this.step();
+    }
+    return { steps: this.count - first, took: performance.now() - began };
+  }
+  frame() {
+    const { centre } = this.opened;
+    return { frame: this.time, points: Float32Array.from(this.points, (x, i) => x - centre[i % 3]), outputs: Float64Array.from(this.component.get(this.outputs)),
+      parts: this.parts.map(part => [...part.point]), pull: this.pull, at: this.hand?.weights ? this.held_place() : null };
+  }
+  save() {
+    if (this.saved) this.component.free(this.saved.state);
+    const parts = this.parts.map(part => ({ ...part, point: [...part.point] }));
+    this.saved = { state: this.component.save(), count: this.count, parts, values: [...this.values], length: this.record.length };
+    return { saved: this.time };
+  }
+  restore() {
+    const { state, count, parts, values, length } = this.saved;
+    this.component.restore(state);
+    Object.assign(this, { count, parts: parts.map(part => ({ ...part, point: [...part.point] })), values: [...values], wanted: [...values], before: null, hand: null });
+    this.record.length = length;
+    this.look();
+    return { values };
+  }
+
+  // What was done, as a CSV file of inputs: the columns that ever differ from the start values, a row for each communication point.
+  recording() {
+    const { names, starts, forces, h, parameters, recorded } = this.opened, { record } = this, values = [...this.first];
+    const tuned = parameters.map((_, n) => n).filter(n => values[n] !== parameters[n].start || record.some(each => each.tuned.some(([m]) => m === n)));
+    const moving = names.slice(0, forces).map((_, n) => n).filter(n => record.some(each => each.moving[n] !== starts[n]));
+    const pulled = new Set(record.flatMap(each => each.pull ? each.weights.map(([p]) => p) : [])), points = [...pulled].sort((a, b) => a - b);
+    const columns = points.flatMap(p => [0, 1, 2].map(a => names[forces + 3 * p + a]));
+    const lines = [recorded, ["time", ...moving.map(n => names[n]), ...columns, ...tuned.map(n => parameters[n].name)].map(name => `"${name}"`).join(",")];
+    record.forEach((each, k) => {
+      for (const [n, value] of each.tuned) values[n] = value;
+      const force = new Map(each.pull ? each.weights : []);
+      const forced = points.flatMap(p => [0, 1, 2].map(a => force.has(p) ? force.get(p) * each.pull[a] + 0 : 0));
+      lines.push([k * h, ...moving.map(n => each.moving[n]), ...forced, ...tuned.map(n => values[n])].join(","));
+    });
+    if (record.length) lines.push([record.length * h, ...lines[lines.length - 1].split(",").slice(1)].join(","));   // what is held at the end
+    return lines.join("\n") + "\n";
+  }
+}
+
+let live;
+const ANSWERS = {
+  async open({ open, wasm }) {
+    const library = await load_library(wasm, say);
+    live = new LiveRun(new Component(library, open.scene, open.guid), open);
+    return { ready: true, ...live.frame() };
+  },
+  run: ({ run, budget, hand }) => ({ ...live.run(run, budget, hand), ...live.frame() }),
+  set({ set }) { live.set(set); return live.frame(); },
+  save: () => live.save(),
+  restore: () => ({ ...live.restore(), ...live.frame() }),
+  again() { live.again(); return live.frame(); },
+  recording: () => ({ recording: live.recording() }),
+};
+const said = [];
+function say(status, category, text) { said.push(text); postMessage({ told: text }); }
+onmessage = async ({ data }) => {
+  const asked = Object.keys(ANSWERS).find(name => name in data);
+  try { postMessage({ asked, ...await ANSWERS[asked](data) }); } catch (error) { postMessage({ asked, failed: said[said.length - 1] || error.message }); }
+};
