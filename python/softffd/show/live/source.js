@@ -1,7 +1,7 @@
 // ---- the source of what is simulated now: a worker steps the component, the page keeps the clock --------------------
 const live = JSON.parse(element("live").textContent), { h, centre } = live.open, WINDOW = 5;   // s that curves show
 let now = { frame: 0, points: Float32Array.from(live.start), outputs: null, parts: live.open.parts.map(part => part.point), pull: null, at: null };
-let worker, asked = null, owed = 0, failed = false, hand = null, largest_force = live.weight || 1e-9;
+let worker, asked = {}, owed = 0, failed = false, hand = null, largest_force = live.weight || 1e-9;
 const waiting_messages = [], pace = { clock: 0, time: 0, now: 1 };
 for (const each of obstacles) each.pose = [...decode(each.poses, Float32Array)];
 
@@ -60,12 +60,14 @@ async function load() {
     worker = new Worker(URL.createObjectURL(new Blob([element("worker").textContent], { type: "text/javascript" })));
     worker.onmessage = hear;
     worker.onerror = e => stop(e.message || "the worker could not start");
+    asked = null;
     ask({ open: live.open, wasm });
   } catch (error) { stop(error.message); }
 }
 function ask(message) {
   if (failed && !message.again) return;
   if (asked) { if (!("run" in message)) waiting_messages.push(message); return; }
+  if (message.again) failed = false;
   asked = message;
   worker.postMessage(message, message.wasm ? [message.wasm] : []);
 }
