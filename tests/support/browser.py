@@ -23,7 +23,7 @@ class Browser:
         self._to, self._from, self._buffer, self._number, self.errors = here[1], there[0], b"", 0, []
         command = [CHROMIUM, *FLAGS, "--remote-debugging-pipe", f"--user-data-dir={folder / 'profile'}", "about:blank"]
         self._process = subprocess.Popen(
-            ["/bin/sh", "-c", f'exec "$@" 3<&{here[0]} 4>&{there[1]}', "sh", *command], pass_fds=(here[0], there[1]), stderr=subprocess.DEVNULL
+            ["bash", "-c", f'exec "$@" 3<&{here[0]} 4>&{there[1]}', "bash", *command], pass_fds=(here[0], there[1]), stderr=subprocess.DEVNULL
         )
         os.close(here[0])
         os.close(there[1])

@@ -105,17 +105,18 @@ function move(dx, dy) {
 function listen_to_pointers() {
   const down = new Map();
   const spread = () => { const [a, b] = [...down.values()]; return Math.hypot(a.x - b.x, a.y - b.y) || 1; };
-  canvas.addEventListener("pointerdown", e => { canvas.setPointerCapture(e.pointerId); down.set(e.pointerId, { x: e.clientX, y: e.clientY }); });
+  canvas.addEventListener("pointerdown", e => { canvas.setPointerCapture(e.pointerId); down.set(e.pointerId, { x: e.clientX, y: e.clientY }); source.press?.(e, down.size); });
   canvas.addEventListener("pointermove", e => {
     const at = down.get(e.pointerId);
     if (!at) return;
     const dx = e.clientX - at.x, dy = e.clientY - at.y, before = down.size > 1 ? spread() : 0;
     Object.assign(at, { x: e.clientX, y: e.clientY });
     if (down.size > 1) { zoom(before / spread()); move(dx / 2, dy / 2); }
+    else if (source.drag?.(e)) return;
     else if (e.buttons & 6 || e.shiftKey) move(dx, dy);
     else turn(dx * 0.008, dy * 0.008);
   });
-  for (const type of ["pointerup", "pointercancel"]) canvas.addEventListener(type, e => down.delete(e.pointerId));
+  for (const type of ["pointerup", "pointercancel"]) canvas.addEventListener(type, e => { down.delete(e.pointerId); source.release?.(e); });
   canvas.addEventListener("wheel", e => { e.preventDefault(); zoom(Math.exp(Math.max(Math.min(e.deltaY, 120), -120) * 0.0016)); }, { passive: false });
   canvas.addEventListener("contextmenu", e => e.preventDefault());
   canvas.addEventListener("dblclick", reset_view);

@@ -14,10 +14,10 @@ void main() { found = uvec4(floatBitsToUint(world), uint(number)); }`;
 let picker, grip = null;                               // grip: what a pointer holds
 
 function build_picker() {
-  const frame = gl.createFramebuffer(), surface = () => gl.createRenderbuffer();
+  const frame = gl.createFramebuffer();
   gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
   for (const [place, format] of [[gl.COLOR_ATTACHMENT0, gl.RGBA32UI], [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24]]) {
-    const made = surface();
+    const made = gl.createRenderbuffer();
     gl.bindRenderbuffer(gl.RENDERBUFFER, made);
     gl.renderbufferStorage(gl.RENDERBUFFER, format, 1, 1);
     gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, made);
@@ -44,7 +44,7 @@ function pick(x, y) {
     gl.bindVertexArray(form ? form.array : planes.array);
     if (form) gl.drawElements(gl.TRIANGLES, form.count, gl.UNSIGNED_INT, 0); else gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   });
-  const found = new Uint32Array(4), at = [...new Float32Array(found.buffer, 0, 3)].length && new Float32Array(found.buffer, 0, 3);
+  const found = new Uint32Array(4), at = new Float32Array(found.buffer, 0, 3);
   gl.readPixels(0, 0, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, found);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   return found[3] === 0 ? null : found[3] === 1 ? { uvw: [...at] } : { obstacle: obstacles[found[3] - 2], at: [...at] };
@@ -85,7 +85,11 @@ function weights_at(uvw) {
   }
   return weights;
 }
-const place_of = weights => [0, 1, 2].map(a => weights.reduce((sum, [p, w]) => sum + w * now.points[3 * p + a], 0));
+function place_of(weights) {
+  let x = 0, y = 0, z = 0;
+  for (const [p, w] of weights) { x += w * now.points[3 * p]; y += w * now.points[3 * p + 1]; z += w * now.points[3 * p + 2]; }
+  return [x, y, z];
+}
 const world = at => at.map((x, a) => x + centre[a]);
 // The pull at a place of the object: as stiff and as damped as stays stable with the mass that is felt there.
 function pull(weights, target) {

@@ -1,6 +1,7 @@
 """The live page: one HTML file with the renderer of the replay, the component in WebAssembly, and a worker that steps it.
 
-`worker.js` steps the component, `source.js` keeps the page's clock, `hand.js` finds what is under the pointer, `panel.js` has the controls.
+`worker.js` steps the component, `source.js` keeps the page's clock, `hand.js` finds what is under the pointer, `contact.js` what touches;
+`panel.js` has the controls.
 JavaScript reads no model description: what it needs of variables, their value references and start values, is written here.
 """
 
@@ -36,7 +37,7 @@ from softffd.show.touch import INK, LONGEST, MARK, NEAR
 from softffd.show.view import ENERGY_MARKS, as_json, hex_of, largest, page_of, scenery
 
 HERE = "softffd.show.live"
-SCRIPTS = ("source.js", "hand.js", "panel.js")
+SCRIPTS = ("source.js", "hand.js", "contact.js", "panel.js")
 MOST_SPEED = 3.0  # of what is dragged: sizes of the object per second
 MOST_PULL = 10.0  # of the object's weights
 LEAST_SCALE = 0.1  # end of a colour scale: strain, or share of the object's size
@@ -108,7 +109,7 @@ def live_page(scene: Scene, stage: Stage, library: bytes) -> str:
         "application/json": {"live": as_json(live)},
         "text/plain": {
             "wasm": base64.b64encode(gzip.compress(library, 9, mtime=0)).decode("ascii"),
-            "worker": text_of(HERE, "component.js").replace("export ", "") + text_of(HERE, "worker.js"),
+            "worker": text_of("softffd.show", "live_component.js") + text_of(HERE, "worker.js"),
         },
     }
     more = "".join(f'<script type="{kind}" id="{name}">{text}</script>\n' for kind, some in blocks.items() for name, text in some.items())
@@ -153,7 +154,8 @@ def _described(scene: Scene, stage: Stage) -> tuple[_Variables, dict[str, Any]]:
         "open": opened, "sliders": _sliders(tunable, variables), "masses": [float(f"{each:.6g}") for each in mass],
         "pull": {"stiffness": stiffness, "most": max(MOST_PULL * weight, 0.2 * stiffness * size)}, "probes": _probes(scene, stage),
         "start": (to_flat(stage.positions[:1])[0] - stage.centre).round(6).ravel().tolist(), "weight": weight,
-        "near": NEAR * size, "meets": scene.contact.of, "command": f"softffd run {shlex.quote(_called(scene))} --input",
+        "near": 3 * NEAR * size, "meets": scene.contact.of, "solids": [{"kind": each.part.kind, "size": each.shape().size} for each in scene.solids],
+        "command": f"softffd run {shlex.quote(_called(scene))} --input",
     }  # fmt: skip
     return variables, live
 

@@ -1,7 +1,7 @@
 // ---- the source of what is simulated now: a worker steps the component, the page keeps the clock --------------------
 const live = JSON.parse(element("live").textContent), { h, centre } = live.open, WINDOW = 5;   // s that curves show
 let now = { frame: 0, points: Float32Array.from(live.start), outputs: null, parts: live.open.parts.map(part => part.point), pull: null, at: null };
-let worker, asked = {}, owed = 0, failed = false, hand = null, largest_force = live.weight || 1e-9;
+let worker, asked = {}, owed = 0, failed = false, hand = null, largest_force = live.weight || 1e-9, looked_at = null;
 const waiting_messages = [], pace = { clock: 0, time: 0, now: 1 };
 for (const each of obstacles) each.pose = [...decode(each.poses, Float32Array)];
 
@@ -16,13 +16,14 @@ const source = {
   },
   cells: () => new Uint8Array(0),
   touch() {
-    const places = [], arrows = [];
+    const arrows = [];
+    if (now !== looked_at) { find_touched(); looked_at = now; }
     if (now.outputs) for (const { force, centre: at } of run.touch.arrows) {
       const f = force.map(i => now.outputs[i]), size = Math.hypot(...f);
       if (size > 1e-3 * largest_force) arrows.push([at.map((i, a) => now.outputs[i] - centre[a]), f.map(x => x / size * run.touch.longest * Math.sqrt(size / largest_force))]);
     }
     if (now.at && hand) { const at = now.at.map((x, a) => x - centre[a]); arrows.push([at, hand.target.map((x, a) => x - centre[a] - at[a]), [0, 0.62, 0.45]]); }
-    return { places: Float32Array.from(places), arrows };
+    return { places: touched, arrows };
   },
   values(row) {
     if (!now.outputs) return [0, null];
@@ -77,6 +78,11 @@ function hear({ data }) {
   asked = null;
   if (data.failed) return stop(data.failed);
   if (data.frame !== undefined) take_frame(data, answered);
+  if (data.refused) {                                  // the state is that before the step: from there it may go on
+    let_go();
+    set_playing(false);
+    tell(`paused, and let go: ${data.refused}`);
+  }
   if (data.saved !== undefined) { tell(`saved at ${seconds(data.saved)}`); element("restore").disabled = false; }
   if (data.values) set_sliders(data.values);
   if (data.recording) keep_recording(data.recording);

@@ -1,12 +1,14 @@
 // The worker of a live page. It owns the component and the record of what is done; the page owns the clock, and asks for time.
-// `component.js` stands before it. One message, one answer, which names what was asked for:
+// `live_component.js` stands before it. One message, one answer, which names what was asked for:
 //   { open, wasm }              a frame                      the scene, and what is known of its variables (page.py); the library
-//   { run, budget, hand }       a frame, steps, took [ms]    until a time [s]; within a budget [ms]; hand: null, { part, target }: an obstacle or
-//                                                            pin, or { weights, target, stiffness, damping, most }: the object, in world places
+//   { run, budget, hand }       a frame, steps, took [ms],   until a time [s]; within a budget [ms]; hand: null, { part, target }: an obstacle or
+//                               perhaps refused: text        pin, or { weights, target, stiffness, damping, most }: the object, in world places
 //   { set: values }             a frame                      the tunable parameters, all
 //   { save } { restore }        { saved: t } a frame, values
 //   { again } { recording }     a frame { recording: csv }
 // A frame is { frame: t, points, outputs, parts, pull, at }. Beside answers: { told: text }; in place of one: { failed: text }.
+const DISCARD = 2;                                       // of FMI: the step is not done, another one may be
+
 class LiveRun {
   constructor(component, opened) {
     this.component = component;
@@ -25,7 +27,7 @@ class LiveRun {
     this.values = opened.parameters.map(each => each.start);
     this.tune();
     this.first = [...this.values];
-    Object.assign(this, { count: 0, record: [], hand: null, before: null, parts: opened.parts.map(part => ({ ...part, point: [...part.point] })) });
+    Object.assign(this, { count: 0, record: [], changed: [], hand: null, before: null, parts: opened.parts.map(part => ({ ...part, point: [...part.point] })) });
     this.write_inputs();
     component.initialize();
     this.look();
@@ -39,14 +41,12 @@ class LiveRun {
 
   // Hands over the parameters that have changed, these alone: setting one makes the component prepare the body anew.
   tune() {
-    const changed = [];
     this.wanted.forEach((value, n) => {
       if (value === this.values[n]) return;
       this.tuned[n].values[0] = this.values[n] = value;
       this.component.set(this.tuned[n]);
-      changed.push(n);
+      this.changed?.push([n, value]);
     });
-    return changed;
   }
   set(values) {
     this.wanted = [...values];
@@ -84,25 +84,30 @@ class LiveRun {
     return [0, 1, 2].map(a => this.hand.weights.reduce((sum, [p, w]) => sum + w * this.points[3 * p + a], 0));
   }
   step() {
-    const changed = this.tune();
+    this.tune();
     if (this.count === 0) this.hand = null;            // its inputs were handed over before the initialization ended
     else this.write_inputs();
-    this.record.push({ moving: this.inputs.values.slice(0, this.opened.forces), pull: this.pull, weights: this.hand?.weights,
-      tuned: changed.map(n => [n, this.values[n]]) });
-    const status = this.component.step(this.time, this.opened.h);
-    if (status > 1) throw new Error(`the step at ${this.time} s was refused`);
+    const done = { moving: this.inputs.values.slice(0, this.opened.forces), pull: this.pull, weights: this.hand?.weights, tuned: this.changed };
+    this.component.step(this.time, this.opened.h);     // throws where it is refused, and all is as before
+    this.record.push(done);
+    this.changed = [];
     for (const part of this.parts) part.point = part.point.map((x, a) => x + part.velocity[a] * this.opened.h);
     this.count++;
     this.look();
   }
-  // Whole communication steps until a time, or until the budget [ms] is spent.
+  // Whole communication steps until a time, or until the budget [ms] is spent, or one is refused.
   run(until, budget, hand) {
     const began = performance.now(), first = this.count;
+    let refused;
     while ((this.count + 1) * this.opened.h <= until + 1e-6 * this.opened.h && (this.count === first || performance.now() - began < budget)) {
       this.hand = hand;
-      this.step();
+      try { this.step(); } catch (error) {
+        if (error.status !== DISCARD) throw error;
+        refused = last_words || error.message;
+        break;
+      }
     }
-    return { steps: this.count - first, took: performance.now() - began };
+    return { steps: this.count - first, took: performance.now() - began, refused };
   }
   frame() {
     const { centre } = this.opened;
@@ -110,18 +115,20 @@ class LiveRun {
       parts: this.parts.map(part => [...part.point]), pull: this.pull, at: this.hand?.weights ? this.held_place() : null };
   }
   save() {
-    if (this.saved) this.component.free(this.saved.state);
-    const parts = this.parts.map(part => ({ ...part, point: [...part.point] }));
-    this.saved = { state: this.component.save(), count: this.count, parts, values: [...this.values], length: this.record.length };
+    if (this.saved) this.component.forget(this.saved.state);
+    this.saved = { ...this.moment(), state: this.component.save() };
     return { saved: this.time };
   }
   restore() {
-    const { state, count, parts, values, length } = this.saved;
-    this.component.restore(state);
-    Object.assign(this, { count, parts: parts.map(part => ({ ...part, point: [...part.point] })), values: [...values], wanted: [...values], before: null, hand: null });
-    this.record.length = length;
+    this.component.restore(this.saved.state);
+    Object.assign(this, this.moment(this.saved), { hand: null, before: null });
+    this.wanted = [...this.values];
     this.look();
-    return { values };
+    return { values: this.values };
+  }
+  // What belongs to a moment beside the component's state; a copy.
+  moment({ count, first, values, changed, parts, record } = this) {
+    return { count, first, values: [...values], changed: [...changed], parts: parts.map(part => ({ ...part, point: [...part.point] })), record: [...record] };
   }
 
   // What was done, as a CSV file of inputs: the columns that ever differ from the start values, a row for each communication point.
@@ -146,7 +153,7 @@ class LiveRun {
 let live;
 const ANSWERS = {
   async open({ open, wasm }) {
-    const library = await load_library(wasm, say);
+    const library = await load_library(await WebAssembly.compile(wasm), log);
     live = new LiveRun(new Component(library, open.scene, open.guid), open);
     return { ready: true, ...live.frame() };
   },
@@ -157,9 +164,13 @@ const ANSWERS = {
   again() { live.again(); return live.frame(); },
   recording: () => ({ recording: live.recording() }),
 };
-const said = [];
-function say(status, category, text) { said.push(text); postMessage({ told: text }); }
+let last_words = "";
+function log(status, text) {
+  if (status === 0) return;
+  last_words = text;
+  postMessage({ told: text });
+}
 onmessage = async ({ data }) => {
   const asked = Object.keys(ANSWERS).find(name => name in data);
-  try { postMessage({ asked, ...await ANSWERS[asked](data) }); } catch (error) { postMessage({ asked, failed: said[said.length - 1] || error.message }); }
+  try { postMessage({ asked, ...await ANSWERS[asked](data) }); } catch (error) { postMessage({ asked, failed: last_words || error.message }); }
 };
