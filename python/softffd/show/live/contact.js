@@ -15,7 +15,7 @@ function prepare_touch() {
   const places = places_met();
   if (!places) return { count: POINTS, at: p => now.points.subarray(3 * p, 3 * p + 3) };
   const each = run.counts.reduce((product, n, a) => product * (run.bases[a] ? 4 : n), 1), every = Math.ceil(places.length / 3 * each / MOST_WEIGHTS);
-  const chosen_ones = Array.from({ length: Math.floor(places.length / 3 / every) }, (_, n) => weights_at(places.slice(3 * n * every, 3 * n * every + 3)));
+  const chosen_ones = Array.from({ length: Math.floor(places.length / 3 / every) }, (_, n) => weights_at([...places.slice(3 * n * every, 3 * n * every + 3)]));
   return { count: chosen_ones.length, at: n => place_of(chosen_ones[n]) };
 }
 const BEYOND = {

@@ -19,12 +19,15 @@ MARK = "# recorded by softffd live"
 def live_scene(scene: Scene) -> Scene:
     """The same body with what a hand needs: forces on all control points, obstacles and pins that move, outputs to look at.
 
-    Its communication step is 1/480 s, or that of the scene where it is shorter. An obstacle or pin that turns keeps its motion.
+    Its communication step is 1/480 s, or that of the scene where it is shorter. An obstacle that turns keeps its motion; one that inputs move
+    rests until it is taken hold of.
     """
     changes: dict[str, object] = {"inputs.forces": "all", "outputs.positions": "all", "outputs.reactions": True, "outputs.energy": True}
     for part in (*scene.obstacles, *scene.pin):
         if not np.any(getattr(part, "angular_velocity", 0.0)):
             changes |= {f"{part.part}.motion": "input", f"{part.part}.inputs": None}
+            if part.motion == "input" and part.part.is_obstacle:
+                changes[f"{part.part}.velocity"] = None
     step = min(scene.experiment.communication_step, STEP)
     return scene.replace(changes | {"experiment.communication_step": step})
 

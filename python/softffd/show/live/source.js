@@ -33,6 +33,8 @@ const source = {
   told: () => failed ? "stopped" : !now.outputs ? "loading" : !state.playing ? "paused" : pace.now > 0.93 * state.speed ? "" : `${pace.now.toPrecision(1)} of real time`,
   begin() {
     element("slider").hidden = true;
+    for (const { parts } of run.rows) parts.cursor.remove();
+    element("hint").textContent = "drag a plate, a solid, a pin or the object: move it · beside: turn · wheel: zoom · right drag: move · space: play";
     begin_panel();
     load();
   },
