@@ -14,6 +14,7 @@
     python3 python/run.py cross-check DIR     the files of the FMI Cross-Check
     python3 python/run.py docs                this documentation as a site, in build/docs/site
     python3 python/run.py release             a wheel with the libraries of all platforms (some ten minutes)
+    python3 python/run.py wasm                the library for web pages, which `softffd live` needs (some minutes)
     python3 python/run.py build SCENE ...     any other command of softffd
 
 Makes .venv, builds the C++ library into it (with the machine's compiler, else with the one in the package `ziglang`), and hands over.
@@ -29,7 +30,7 @@ import sys
 import time
 from pathlib import Path
 
-from release import build_release
+from release import WASM, build_release, build_wasm, installed_libraries
 
 ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".venv"
@@ -91,6 +92,11 @@ def make_venv():
         stop("this Python cannot make virtual environments. On Debian and Ubuntu: sudo apt-get install -y python3-venv")
     print("run.py: making .venv", flush=True)
     venv.create(VENV, with_pip=True, clear=VENV.exists())
+
+
+def forget_wasm():
+    """What `run.py wasm` has built is of the sources from before."""
+    shutil.rmtree(installed_libraries(PYTHON) / WASM, ignore_errors=True)
 
 
 def compiler_environment():
@@ -155,6 +161,7 @@ def set_up():
         return
     STAMP.unlink(missing_ok=True)  # what is interrupted from here on begins anew
     make_venv()
+    forget_wasm()
     print("run.py: building and installing into .venv (some minutes, once)", flush=True)
     building, others = requirements()
     step("1 of 3: packages that building needs")
@@ -188,6 +195,8 @@ def main():
     set_up()
     if arguments[0] == "release":
         return build_release(PYTHON)
+    if arguments[0] == "wasm":
+        return build_wasm(PYTHON)
     if arguments[0] == "docs":
         pip("install", *settings("project")["optional-dependencies"]["docs"])
         return subprocess.call([PYTHON, ROOT / "docs" / "site" / "make_site.py"])

@@ -10,6 +10,7 @@ ROOT = Path(__file__).resolve().parents[1]
 CPP, PYTHON = ROOT / "fmu_src", ROOT / "python"
 
 CPP_ROOMS = [
+    *("open", "exceptions", "sse2"),  # wasm
     *("calls", "instance", "variables", "life_cycle", "messages", "resource"),  # fmi
     *("estimate", "soft_body", "definition", "stepping", "impacts", "kit", "watch", "flight", "methods", "contact", "matrix"),  # core
     *("embedding", "body", "forces", "model", "machine"),

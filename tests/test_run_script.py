@@ -50,6 +50,7 @@ def half(script, monkeypatch, tmp_path):
     monkeypatch.setattr(script, "STAMP", stamp)
     monkeypatch.setattr(script, "missing", lambda: script.lost)
     monkeypatch.setattr(script, "make_venv", lambda: None)
+    monkeypatch.setattr(script, "forget_wasm", lambda: None)
     monkeypatch.setattr(script, "pip_command", lambda *_words: [sys.executable, "-c", "pass"])
     monkeypatch.setattr(script, "pip", lambda *words, **_: script.installed.append(words))
     monkeypatch.setattr(script, "pip_compile", lambda *words, **_: script.installed.append(words))
