@@ -10,20 +10,25 @@ from pathlib import Path
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FLAGS = [
-    "--headless", "--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
-    "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--hide-scrollbars",
+    "--headless", "--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--hide-scrollbars",
 ]  # fmt: skip
 
 
 class Browser:
     """One page. Errors of its scripts are in `errors`."""
 
-    def __init__(self, page: Path, folder: Path, *, width: int = 900, height: int = 600, mobile: bool = False, dark: bool = False, hash: str = ""):
+    def __init__(
+        self, page: Path, folder: Path, *, width: int = 900, height: int = 600, mobile: bool = False, dark: bool = False, hash: str = ""
+    ):
         here, there = os.pipe(), os.pipe()
         self._to, self._from, self._buffer, self._number, self.errors = here[1], there[0], b"", 0, []
         command = [CHROMIUM, *FLAGS, "--remote-debugging-pipe", f"--user-data-dir={folder / 'profile'}", "about:blank"]
         self._process = subprocess.Popen(
-            ["bash", "-c", f'exec "$@" 3<&{here[0]} 4>&{there[1]}', "bash", *command], pass_fds=(here[0], there[1]), stderr=subprocess.DEVNULL
+            ["bash", "-c", f'exec "$@" 3<&{here[0]} 4>&{there[1]}', "bash", *command],
+            pass_fds=(here[0], there[1]),
+            stderr=subprocess.DEVNULL,
         )
         os.close(here[0])
         os.close(there[1])
@@ -88,7 +93,13 @@ class Browser:
 
     def key(self, key: str, *, shift: bool = False) -> None:
         for kind in ("keyDown", "keyUp"):
-            self("Input.dispatchKeyEvent", type=kind, key=key, modifiers=8 * shift, **({"text": key} if kind == "keyDown" and len(key) == 1 else {}))
+            self(
+                "Input.dispatchKeyEvent",
+                type=kind,
+                key=key,
+                modifiers=8 * shift,
+                **({"text": key} if kind == "keyDown" and len(key) == 1 else {}),
+            )
 
     def shot(self, path: Path) -> None:
         """The page as a picture (PNG)."""

@@ -19,8 +19,8 @@ from softffd.run.progress import Note, silent
 from softffd.run.result import Result
 from softffd.run.result_file import KEPT
 from softffd.run.simulate import simulate
-from softffd.scene.new import scene_of_mesh
 from softffd.run.tables import read_csv
+from softffd.scene.new import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
 from softffd.show.live.scene import is_recording, live_scene
 from softffd.show.touch import narrow_contact

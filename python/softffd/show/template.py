@@ -7,7 +7,8 @@ from importlib import resources
 
 def filled(package: str, template: str, parts: Mapping[str, str]) -> str:
     """The text of a package's template, as "view.html" of softffd.show, with its parts in their places."""
-    return re.sub(r"{{([\w.]+)}}", lambda place: parts[place[1]] if place[1] in parts else text_of(package, place[1]), text_of(package, template))
+    whole = text_of(package, template)
+    return re.sub(r"{{([\w.]+)}}", lambda place: parts[place[1]] if place[1] in parts else text_of(package, place[1]), whole)
 
 
 def text_of(package: str, file: str) -> str:

@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from softffd import load_scene, simulate
-from softffd.cli.command import main
 from softffd.cli.keep import run_scene_or_fmu
 from softffd.errors import SoftffdError
-from softffd.show.live.page import live_page, wasm_library, write_live
-from softffd.show.live.scene import is_recording, live_scene
-from softffd.show.stage import stage_of
+from softffd.installed import wasm_library
+from softffd.run.findings import reactions
+from softffd.show.live.page import write_live
+from softffd.show.live.scene import is_recording
 
 HOST = Path(__file__).parents[2] / "support" / "hosts" / "live_in_node.mjs"
 
@@ -51,7 +50,7 @@ def live_of(page: Path) -> dict:
 
 
 def parts_by_name(live: dict) -> dict[str, int]:
-    return {part["name"]: n for n, part in enumerate(live["open"]["parts"])}
+    return {part["label"]: n for n, part in enumerate(live["open"]["parts"])}
 
 
 def session(live: dict, part: str, target: list[float], slider: int, corner: int) -> list[dict]:
@@ -78,7 +77,7 @@ def test_a_recording_runs_natively_to_the_same_bits(tmp_path, pages, name):
     page = pages(name)
     live = live_of(page)
     parts = live["open"]["parts"]
-    part = {"press": "plane.press", "car_ball": "sphere.ball"}.get(name, parts[-1]["name"])
+    part = {"press": "press", "car_ball": "ball"}.get(name, parts[-1]["label"])
     target = np.array(parts[parts_by_name(live)[part]]["point"]) - 0.05 * live["open"]["most_speed"] / 3
     answers = in_node(page, session(live, part, target.tolist(), 0, 21), tmp_path)
     recording = tmp_path / "recording.csv"
@@ -88,9 +87,9 @@ def test_a_recording_runs_natively_to_the_same_bits(tmp_path, pages, name):
     assert is_recording(recording) and result.time[-1] == last["frame"]
     shown = (result.positions[-1].transpose(2, 1, 0, 3).reshape(-1, 3) - live["open"]["centre"]).astype("f4")
     assert (np.array(last["points"], "f4").reshape(-1, 3) == shown).all()
-    reactions = [result.outputs[f"{part}.reaction.{c}"][-1] for c in "xyz"]
-    row = next(row for row in rows_of(page) if row["label"] == part.partition(".")[2] and row["kind"] == "reaction")
-    assert [last["outputs"][n] for n in row["at"]] == reactions
+    for row in (row for row in rows_of(page) if row["kind"] == "reaction"):
+        force = next(force for found, force in reactions(result).items() if found.name == row["label"])
+        assert [last["outputs"][n] for n in row["at"]] == force[-1].tolist()
     assert np.abs(result.inputs["force[1,1,1].x"]).max() > 0
 
 

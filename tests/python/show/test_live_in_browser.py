@@ -6,9 +6,11 @@ import pytest
 from browser import CHROMIUM, Browser
 from softffd.cli.keep import run_scene_or_fmu
 from softffd.errors import SoftffdError
-from softffd.show.live.page import wasm_library, write_live
+from softffd.installed import wasm_library
+from softffd.show.live.page import write_live
 
-ON_SCREEN = """(at => { const m = camera_matrix(camera_frame()), [x, y, , w] = [0, 1, 2, 3].map(r => m[r] * at[0] + m[4 + r] * at[1] + m[8 + r] * at[2] + m[12 + r]);
+ON_SCREEN = """(at => { const m = camera_matrix(camera_frame());
+  const [x, y, , w] = [0, 1, 2, 3].map(r => m[r] * at[0] + m[4 + r] * at[1] + m[8 + r] * at[2] + m[12 + r]);
   return [(x / w + 1) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight]; })"""
 PRESS = "run.planes.find(plane => plane.name === 'press').now"
 EDGE = f"plus({PRESS}.centre, 0.95 * {PRESS}.extent[0] * {PRESS}.reach, {PRESS}.tangent)"
@@ -72,7 +74,9 @@ def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, page):
         time = browser.ask("now.frame")
         browser.key(".")
         browser.wait_for(f"now.frame > {time}")
-        shown = browser.ask("({ frame: now.frame, points: [...now.points], outputs: [...now.outputs], rows: run.rows.map(row => row.at), centre })")
+        shown = browser.ask(
+            "({ frame: now.frame, points: [...now.points], outputs: [...now.outputs], rows: run.rows.map(row => row.at), centre })"
+        )
         browser.ask("keep_recording = text => { window.kept = text; }, element('record').click()")
         (tmp_path / "recording.csv").write_text(browser.wait_for("window.kept"))
         assert not browser.errors

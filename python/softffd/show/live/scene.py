@@ -1,4 +1,4 @@
-"""The scene as its live page simulates it, and what the page records."""
+"""The scene as its live page simulates it, and the recordings that the page saves."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ if TYPE_CHECKING:
 
 STEP = 1 / 480
 """Longest communication step [s]: with longer ones, what is pulled by hand feels slack"""
-MARK = "# recorded by softffd live"
+RECORDED = "# recorded by softffd live"
 """How the first line of a recording begins"""
 
 
 def live_scene(scene: Scene) -> Scene:
     """The same body with what a hand needs: forces on all control points, obstacles and pins that move, outputs to look at.
 
-    Its communication step is 1/480 s, or that of the scene where it is shorter. An obstacle that turns keeps its motion; one that inputs move
-    rests until it is taken hold of.
+    Its communication step is 1/480 s, or that of the scene where it is shorter. An obstacle that turns keeps its motion; one that inputs
+    move rests until it is taken hold of.
     """
     changes: dict[str, object] = {"inputs.forces": "all", "outputs.positions": "all", "outputs.reactions": True, "outputs.energy": True}
     for part in (*scene.obstacles, *scene.pin):
@@ -36,6 +36,6 @@ def is_recording(path: str | Path) -> bool:
     """Whether a file of inputs is a recording of a live page."""
     try:
         with Path(path).open(encoding="utf-8-sig") as stream:
-            return stream.readline().startswith(MARK)
+            return stream.readline().startswith(RECORDED)
     except (OSError, UnicodeDecodeError):
         return False

@@ -11,7 +11,7 @@ const source = {
   moves: true,
   points: () => now.points,
   pose(each) {
-    const n = live.open.parts.findIndex(part => part.name.split(".")[0] !== "pin" && part.label === each.name);
+    const n = part_of(each);
     return Float32Array.from(n < 0 ? each.pose : [...now.parts[n].map((x, a) => x - centre[a]), ...each.pose.slice(3)]);
   },
   cells: () => new Uint8Array(0),
@@ -51,7 +51,7 @@ const source = {
   },
 };
 function size_of(row, vector) {
-  if (row.moved) return Math.hypot(...vector.map((x, a) => x - (row.first ||= vector)[a]));
+  if (row.kind === "moved") return Math.hypot(...vector.map((x, a) => x - (row.first ||= vector)[a]));
   return vector.length > 1 ? Math.hypot(...vector) : vector[0];
 }
 
