@@ -157,7 +157,7 @@ class Inputs:
         if self.derived_names or self.is_function:
             return np.array([self.values(time, then) for time, then in pairwise(times)])
         now = self._at(times[:-1], False)
-        return np.stack([now[name] for name in self.names], axis=1)
+        return np.stack([now[name] for name in self.names], axis=1) if self.names else np.zeros((len(times) - 1, 0))
 
     def rates(self, time: float, then: float) -> np.ndarray:
         """Slopes from a communication point to the next, `then` > `time` [s], in the order of `names` [unit / s]."""

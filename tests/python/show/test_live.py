@@ -8,13 +8,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
+from scenes import box
+from softffd import load_scene, save_mesh, simulate
+from softffd.cli.command import main
 from softffd.cli.keep import run_scene_or_fmu
 from softffd.errors import SoftffdError
 from softffd.installed import wasm_library
+from softffd.mesh.mesh import Mesh
 from softffd.run.findings import reactions
-from softffd.show.live.page import write_live
-from softffd.show.live.scene import is_recording
+from softffd.show.live.page import live_page, write_live
+from softffd.show.live.scene import is_recording, live_scene
+from softffd.show.stage import stage_of
 
 HOST = Path(__file__).parents[2] / "support" / "hosts" / "live_in_node.mjs"
 
@@ -91,6 +97,56 @@ def test_a_recording_runs_natively_to_the_same_bits(tmp_path, pages, name):
         force = next(force for found, force in reactions(result).items() if found.name == row["label"])
         assert [last["outputs"][n] for n in row["at"]] == force[-1].tolist()
     assert np.abs(result.inputs["force[1,1,1].x"]).max() > 0
+
+
+def test_a_page_of_ten_thousand_triangles_is_below_two_megabytes(tmp_path):
+    """Whatever the library is: this one packs into as much as the built one."""
+    sphere = trimesh.creation.uv_sphere(count=[51, 51])
+    assert 9_900 < len(sphere.faces) < 10_400
+    save_mesh(Mesh(sphere.vertices, sphere.faces), tmp_path / "ball.obj")
+    scene = box(
+        mesh={"file": tmp_path / "ball.obj"},
+        contact={"of": "surface"},
+        plane=[{"name": "ground", "point": [0, 0, -1]}],
+        gravity=[0, 0, -9.81],
+    )
+    noise = np.random.default_rng(0).bytes(600_000)
+    page = live_page(scene, stage_of(simulate(scene.replace({"outputs.positions": "all"}), stop_time=0.01)), noise)
+    assert len(page.encode()) < 2e6
+
+
+def test_a_live_scene_moves_by_hand_what_does_not_turn():
+    planes = [
+        {"name": "belt", "velocity": [1.0, 0.0, 0.0]},
+        {"name": "press", "point": [0, 0, 2], "normal": [0, 0, -1], "velocity": [0, 0, -1], "motion": "input"},
+        {"name": "drum", "point": [0, 0, -1], "angular_velocity": [1.0, 0.0, 0.0]},
+    ]
+    scene = live_scene(box(plane=planes, pin=[{"name": "base", "points": "z-"}], communication_step=1e-3))
+    belt, press, drum = scene.plane
+    assert (belt.motion, press.motion, drum.motion, scene.pin[0].motion) == ("input", "input", "fixed", "input")
+    assert belt.velocity == (1.0, 0.0, 0.0) and press.velocity == (0.0, 0.0, 0.0)
+    assert scene.experiment.communication_step == 1e-3 and live_scene(load_scene("press")).experiment.communication_step == 1 / 480
+
+
+def test_a_page_needs_the_library_for_web_pages_and_a_new_name(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("softffd.installed.WASM", "nowhere")
+    assert main(["live", "press"]) == 1
+    said = capsys.readouterr().err
+    assert "python3 python/run.py wasm" in said and "wheel" in said and not list(tmp_path.iterdir())
+    Path("live.html").write_text("mine")
+    assert main(["live", "press"]) == 1 and "--overwrite" in capsys.readouterr().err
+    assert Path("live.html").read_text() == "mine"
+
+
+def test_only_a_file_that_says_so_is_a_recording(tmp_path):
+    table = tmp_path / "table.csv"
+    table.write_text("time,plane.press.point.z\n0,1.05\n1,1.0\n")
+    assert not is_recording(table) and not is_recording(tmp_path / "nowhere.csv")
+    table.write_text("# recorded by softffd live: a box\n" + table.read_text())
+    assert is_recording(table)
+    result = run_scene_or_fmu("press", inputs=table, stop_time=0.05)
+    assert result.summary["communication_steps"] == 24 and "force[0,0,0].x" in result.inputs
 
 
 def rows_of(page: Path) -> list[dict]:
