@@ -13,6 +13,7 @@ function step_frames(count) {
 function set_playing(playing) {
   state.playing = playing && source.moves;
   last_clock = null;
+  source.switched?.();
   element("play").setAttribute("aria-label", state.playing ? "Pause" : "Play");
   element("play").querySelector("path").setAttribute("d", state.playing ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 1.6l10 6.4-10 6.4z");
   show();

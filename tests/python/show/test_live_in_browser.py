@@ -37,6 +37,7 @@ def on_screen(browser: Browser, place: str) -> list[float]:
     return browser.ask(f"{ON_SCREEN}({place})")
 
 
+@pytest.mark.full
 def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, page):
     with Browser(page, tmp_path) as browser:
         ready(browser)
@@ -88,6 +89,7 @@ def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, page):
         assert [shown["outputs"][n] for n in places] == [result.outputs[f"plane.{name}.reaction.{c}"][-1] for c in "xyz"]
 
 
+@pytest.mark.full
 def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, page):
     with Browser(page, tmp_path, width=390, height=844, mobile=True) as browser:
         ready(browser)

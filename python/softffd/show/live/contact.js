@@ -1,5 +1,5 @@
 // ---- where the object touches: points of the lattice, or vertices of the surface, that are on an obstacle -----------------
-const MOST_MARKED = 200, MOST_WEIGHTS = 2e6;
+const MOST_MARKED = 200, MOST_WEIGHTS = 1e6;
 let touching = null, touched = new Float32Array(0);
 
 // What obstacles meet, by its parameters in the volume; null: the control points themselves.
@@ -14,9 +14,17 @@ function places_met() {
 function prepare_touch() {
   const places = places_met();
   if (!places) return { count: POINTS, at: p => now.points.subarray(3 * p, 3 * p + 3) };
-  const each = run.counts.reduce((product, n, a) => product * (run.bases[a] ? 4 : n), 1), every = Math.ceil(places.length / 3 * each / MOST_WEIGHTS);
-  const chosen_ones = Array.from({ length: Math.floor(places.length / 3 / every) }, (_, n) => weights_at([...places.slice(3 * n * every, 3 * n * every + 3)]));
-  return { count: chosen_ones.length, at: n => place_of(chosen_ones[n]) };
+  const width = run.counts.reduce((product, n, a) => product * (run.bases[a] ? 4 : n), 1), every = Math.ceil(places.length / 3 * width / MOST_WEIGHTS);
+  const count = Math.floor(places.length / 3 / every), which = new Uint16Array(count * width), weights = new Float64Array(count * width);
+  for (let n = 0; n < count; n++) weights_at([...places.slice(3 * n * every, 3 * n * every + 3)]).forEach(([p, w], i) => { which[n * width + i] = p; weights[n * width + i] = w; });
+  return { count, at(n) {
+    let x = 0, y = 0, z = 0;
+    for (let i = n * width, { points } = now; i < (n + 1) * width; i++) {
+      const p = 3 * which[i], w = weights[i];
+      x += w * points[p]; y += w * points[p + 1]; z += w * points[p + 2];
+    }
+    return [x, y, z];
+  } };
 }
 const BEYOND = {
   sphere: (at, [x]) => [Math.hypot(...at) - x / 2],
@@ -32,10 +40,10 @@ function gap({ now: { anchor, normal, tangent } }, solid, at) {
 }
 function find_touched() {
   touching ||= prepare_touch();
-  const found = [];
-  for (let n = 0; n < touching.count; n++) {
+  const found = [], pressed = obstacles.filter((_, m) => run.touch.arrows[m].force.some(i => now.outputs?.[i]));
+  for (let n = 0; pressed.length && n < touching.count; n++) {
     const at = touching.at(n);
-    if (obstacles.some((each, m) => Math.abs(gap(each, live.solids[m - run.planes.length], at)) <= live.near)) found.push(at);
+    if (pressed.some(each => Math.abs(gap(each, live.solids[run.solids.indexOf(each)], at)) <= live.near)) found.push(at);
   }
   const few = Math.min(found.length, MOST_MARKED);
   touched = Float32Array.from(Array.from({ length: few }, (_, n) => [...found[Math.floor(n * found.length / few)]]).flat());

@@ -114,11 +114,15 @@ function pin_near(r) {
     const [cx, cy, , cw] = [0, 1, 2, 3].map(i => m[i] * x + m[4 + i] * y + m[8 + i] * z + m[12 + i]);
     return Math.hypot((cx / cw + 1) / 2 * canvas.clientWidth - r.x, (1 - cy / cw) / 2 * canvas.clientHeight - r.y);
   };
-  return live.open.parts.findIndex(part => part.held.some(p => near(now.points.subarray(3 * p, 3 * p + 3)) < 14));
+  for (const [part, { held }] of live.open.parts.entries()) {
+    const at = held.map(p => now.points.subarray(3 * p, 3 * p + 3)).find(place => near(place) < 14);
+    if (at) return { part, at: in_picture(r, at) };
+  }
+  return null;
 }
 function grip_at(e) {
   const r = ray(e), found = pick(r.x, r.y), pin = pin_near(r);
-  if (pin >= 0) { const p = live.open.parts[pin].held[0]; return { part: pin, at: [...now.points.subarray(3 * p, 3 * p + 3)] }; }
+  if (pin) return pin;
   if (found?.uvw) { const weights = weights_at(found.uvw); return { weights, at: place_of(weights) }; }
   const part = found ? part_of(found.obstacle) : -1;
   const normal = found && run.planes.includes(found.obstacle) && !(e.altKey || state.sideways) ? found.obstacle.now.normal : null;

@@ -80,7 +80,7 @@ def live_page(scene: Scene, stage: Stage, library: bytes) -> str:
     return page_of(
         run,
         source="".join(text_of(HERE, script) for script in SCRIPTS),
-        policy=" 'wasm-unsafe-eval' blob:; worker-src blob:",
+        policy=" 'wasm-unsafe-eval'; worker-src blob:",
         style=text_of(HERE, "live.css"),
         panel=text_of(HERE, "panel.html"),
         data="".join([f'<script type="application/json" id="live">{as_json(live)}</script>\n', *blocks]),

@@ -1,11 +1,12 @@
 // ---- the panel: what can be held, the parameters, moments that are kept, and the recording --------------------------
 let chosen = null;                                     // what the arrow keys move: an obstacle or pin, or behind these a place of the object
 live.places = [...live.probes, { label: "object", uvw: run.counts.map((n, a) => run.bases[a] === 1 ? (n - 3) / 2 : run.bases[a] === 2 ? n / 3 / 2 : 0.5) }];
-const small = () => matchMedia("(max-width: 640px), (max-height: 480px)").matches;
+const small = () => matchMedia("(max-width: 900px), (max-height: 480px)").matches;
 const sliders = live.sliders.map(slider => ({ ...slider }));
 
 function begin_panel() {
   element("panel").open = !small();
+  element("panel").firstElementChild.onkeydown = e => { if (e.key === " ") e.stopPropagation(); };
   const acts = {
     step: () => step_frames(1), save: () => ask({ save: true }), restore: () => ask({ restore: true }), record: () => ask({ recording: true }),
     again() { failed = false; let_go(); ask({ again: true }); }, sideways: () => toggle("sideways"),
@@ -44,7 +45,7 @@ function make_slider(slider) {
     value.textContent = slider.unit ? quantity(+v.toPrecision(3), slider.unit) : NUMBERS.format(+v.toPrecision(3));
     input.setAttribute("aria-valuetext", value.textContent);
   };
-  input.onkeydown = e => e.stopPropagation();            // its arrows are its own
+  input.onkeydown = e => { if (ARROWS[e.key]) e.stopPropagation(); };   // are its own
   input.oninput = () => {
     const s = +input.value;
     slider.show(+(logarithmic ? low * (high / low) ** s : low + s * (high - low)).toPrecision(4));

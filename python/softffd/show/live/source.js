@@ -30,7 +30,10 @@ const source = {
     const vector = row.at.map(i => now.outputs[i]);
     return [size_of(row, vector), vector.length > 1 ? vector : null];
   },
-  told: () => failed ? "stopped" : !now.outputs ? "loading" : !state.playing ? "paused" : pace.now > 0.93 * state.speed ? "" : `${pace.now.toPrecision(1)} of real time`,
+  told() {
+    if (failed || !now.outputs || !state.playing) return failed ? "stopped" : now.outputs ? "paused" : "loading";
+    return pace.now > 0.93 * state.speed ? "" : pace.now < 0.95 ? `${+pace.now.toPrecision(1)} of real time` : `${+pace.now.toPrecision(2)} × real time`;
+  },
   begin() {
     element("slider").hidden = true;
     for (const { parts } of run.rows) parts.cursor.remove();
@@ -38,11 +41,12 @@ const source = {
     begin_panel();
     load();
   },
+  switched() { pace.clock = 0; shown = null; },          // between playing and paused
   follow() { for (const row of run.rows) draw_curve(row); },
   go_to() {},
   // A worker that is late makes time go slower: what it owes is forgotten.
   advance(passed) {
-    owed = Math.min(owed + passed * state.speed, 0.1 * state.speed);
+    owed = Math.min(owed + passed * state.speed, Math.max(0.1 * state.speed, 2 * h));
     if (!asked && owed >= h) ask({ run: now.frame + owed, budget: 14, hand });
   },
   step(count) {
