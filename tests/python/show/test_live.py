@@ -77,6 +77,19 @@ def session(live: dict, part: str, target: list[float], slider: int, corner: int
     ]  # fmt: skip
 
 
+@pytest.mark.full
+def test_a_refused_step_leaves_all_as_it_was_and_the_run_goes_on(tmp_path, pages):
+    page = pages("bumper")  # whose plate may not go through the pin behind it
+    live = live_of(page)
+    hand = {"part": parts_by_name(live)["plate"], "target": [0.05, 0.05, -0.02]}
+    run = {"hand": None, "budget": 1e9}
+    messages = [{"run": 0.02, **run}, {"run": 1, "hand": hand, "budget": 1e9}, {"run": 0.04, **run}, {"again": True}, {"run": 0.04, **run}]
+    before, refused, after, begun, same = in_node(page, messages, tmp_path)[1:]
+    assert "a pinned control point is behind an obstacle plane" in refused["refused"]
+    assert [each["frame"] for each in (before, refused, after, begun, same)] == [0.02, 0.02, 0.04, 0, 0.04]
+    assert after["points"] == same["points"] and after["outputs"] == same["outputs"]
+
+
 @pytest.mark.short("press")
 @pytest.mark.parametrize("name", ["press", "car_ball", "hanging", "pad", "car_drop"])
 def test_a_recording_runs_natively_to_the_same_bits(tmp_path, pages, name):
@@ -101,8 +114,8 @@ def test_a_recording_runs_natively_to_the_same_bits(tmp_path, pages, name):
 
 def test_a_page_of_ten_thousand_triangles_is_below_two_megabytes(tmp_path):
     """Whatever the library is: this one packs into as much as the built one."""
-    sphere = trimesh.creation.uv_sphere(count=[50, 50])
-    assert 9_900 < len(sphere.faces) < 10_400
+    sphere = trimesh.creation.uv_sphere(count=[51, 51])
+    assert len(sphere.faces) > 10_000
     save_mesh(Mesh(sphere.vertices, sphere.faces), tmp_path / "ball.obj")
     scene = box(
         mesh={"file": tmp_path / "ball.obj"},

@@ -65,6 +65,7 @@ def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, page):
         browser.ask("element('restore').click()")
         browser.wait_for(f"now.frame < {saved} + 0.2")
         assert browser.ask("document.querySelector('#sliders output').textContent") == "1.000 kN/m"
+        browser.ask("element('panel').open = true")
         browser.ask("[...element('grips').children].find(each => each.textContent === 'press').focus()")
         for _ in range(4):
             browser.key("ArrowUp")

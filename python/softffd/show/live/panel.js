@@ -8,7 +8,7 @@ function begin_panel() {
   element("panel").open = !small();
   element("panel").firstElementChild.onkeydown = e => { if (e.key === " ") e.stopPropagation(); };
   const acts = {
-    step: () => step_frames(1), save: () => ask({ save: true }), restore: () => ask({ restore: true }), record: () => ask({ recording: true }),
+    step: () => step_frames(1), save: () => ask({ save: true }), restore: () => ask({ restore: true }), record: () => now.frame > 0 ? ask({ recording: true }) : tell("Nothing has been done yet"),
     again() { failed = false; let_go(); ask({ again: true }); }, sideways: () => toggle("sideways"),
   };
   for (const [name, act] of Object.entries(acts)) element(name).onclick = act;

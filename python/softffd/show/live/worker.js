@@ -7,12 +7,13 @@
 //   { save } { restore }        { saved: t } a frame, values
 //   { again } { recording }     a frame { recording: csv }
 // A frame is { frame: t, points, outputs, parts, pull, at }. Beside answers: { told: text }; in place of one: { failed: text }.
-const DISCARD = 2;                                       // of FMI: the step is not done, another one may be
+const DISCARD = 2, ERROR = 3;                            // of FMI: a step that is refused; a component that has to be reset
 
 class LiveRun {
   constructor(component, opened) {
     this.component = component;
     this.opened = opened;
+    component.ask("SetDebugLogging", 1, 0, 0);         // else it keeps to itself why it refuses a step
     this.inputs = component.block(opened.inputs);
     this.positions = component.block(opened.positions);
     this.outputs = component.block(opened.outputs);
@@ -95,19 +96,23 @@ class LiveRun {
     this.count++;
     this.look();
   }
-  // Whole communication steps until a time, or until the budget [ms] is spent, or one is refused.
+  // Whole communication steps until a time, or until the budget [ms] is spent. Where one is refused all is as before, with the reason.
   run(until, budget, hand) {
-    const began = performance.now(), first = this.count;
+    const began = performance.now(), before = this.kept();
     let refused;
-    while ((this.count + 1) * this.opened.h <= until + 1e-6 * this.opened.h && (this.count === first || performance.now() - began < budget)) {
-      this.hand = hand;
-      try { this.step(); } catch (error) {
-        if (error.status !== DISCARD) throw error;
-        refused = last_words || error.message;
-        break;
-      }
-    }
-    return { steps: this.count - first, took: performance.now() - began, refused };
+    try {
+      do {
+        this.hand = hand;
+        if ((this.count + 1) * this.opened.h > until + 1e-6 * this.opened.h) break;
+        this.step();
+      } while (performance.now() - began < budget);
+    } catch (error) {
+      if (![DISCARD, ERROR].includes(error.status)) throw error;
+      refused = last_words || error.message;
+      if (error.status === ERROR) this.component.reset();
+      this.go_back(before);
+    } finally { this.component.forget(before.state); }
+    return { steps: this.count - before.count, took: performance.now() - began, refused };
   }
   frame() {
     const { centre } = this.opened;
@@ -116,19 +121,27 @@ class LiveRun {
   }
   save() {
     if (this.saved) this.component.forget(this.saved.state);
-    this.saved = { ...this.moment(), state: this.component.save() };
+    this.saved = this.kept();
     return { saved: this.time };
   }
   restore() {
-    this.component.restore(this.saved.state);
-    Object.assign(this, this.moment(this.saved), { hand: null, before: null });
-    this.wanted = [...this.values];
-    this.look();
+    this.go_back(this.saved);
     return { values: this.values };
   }
-  // What belongs to a moment beside the component's state; a copy.
-  moment({ count, first, values, changed, parts, record } = this) {
-    return { count, first, values: [...values], changed: [...changed], parts: parts.map(part => ({ ...part, point: [...part.point] })), record: [...record] };
+  // A moment: the component's state, and what belongs to it here. Records grow at their ends, so that their length is enough.
+  kept() {
+    const { count, first, record } = this;
+    return { ...this.own(), count, first, record, length: record.length, state: this.component.save() };
+  }
+  go_back(moment) {
+    this.component.restore(moment.state);
+    Object.assign(this, { ...moment, ...this.own(moment), hand: null, before: null, wanted: [...moment.values] });
+    this.record.length = moment.length;
+    this.look();
+  }
+  // Copies of what changes in place.
+  own({ values, changed, parts } = this) {
+    return { values: [...values], changed: [...changed], parts: parts.map(part => ({ ...part, point: [...part.point] })) };
   }
 
   // What was done, as a CSV file of inputs: the columns that ever differ from the start values, a row for each communication point.
@@ -137,6 +150,7 @@ class LiveRun {
     const tuned = parameters.map((_, n) => n).filter(n => values[n] !== parameters[n].start || record.some(each => each.tuned.some(([m]) => m === n)));
     const moving = names.slice(0, forces).map((_, n) => n).filter(n => record.some(each => each.moving[n] !== starts[n]));
     const pulled = new Set(record.flatMap(each => each.pull ? each.weights.map(([p]) => p) : [])), points = [...pulled].sort((a, b) => a - b);
+    if (!moving.length && !points.length && !tuned.length) points.push(0);   // a file of inputs has one at least
     const columns = points.flatMap(p => [0, 1, 2].map(a => names[forces + 3 * p + a]));
     const lines = [recorded, ["time", ...moving.map(n => names[n]), ...columns, ...tuned.map(n => parameters[n].name)].map(name => `"${name}"`).join(",")];
     record.forEach((each, k) => {
@@ -171,6 +185,7 @@ function log(status, text) {
   postMessage({ told: text });
 }
 onmessage = async ({ data }) => {
+  last_words = "";
   const asked = Object.keys(ANSWERS).find(name => name in data);
   try { postMessage({ asked, ...await ANSWERS[asked](data) }); } catch (error) { postMessage({ asked, failed: last_words || error.message }); }
 };
