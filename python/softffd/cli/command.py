@@ -234,7 +234,7 @@ def _live(options: argparse.Namespace) -> None:
     if not options.overwrite:
         require_new([page], "another name by -o X.html")
     with ProgressLine("reading the scene") as progress:
-        write_live(load_scene(options.scene), page, stage=progress.stage)
+        write_live(load_scene(options.scene), page, stage=progress.stage, progress=progress)
     print(f"{page}: {page.stat().st_size / 1e6:.2f} MB; it needs nothing but a browser")
     if options.view:
         import webbrowser

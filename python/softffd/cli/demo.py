@@ -9,19 +9,19 @@ from softffd.cli.told import told_after
 from softffd.errors import SoftffdError
 from softffd.fmu.package import package_fmu
 from softffd.installed import wasm_library
-from softffd.run.progress import Note, ProgressLine
+from softffd.run.progress import ProgressLine
 from softffd.run.simulate import simulate
 from softffd.scene.scene import load_scene
 from softffd.show.live.page import write_live
 
 
-def _live_page(path: Path, stage: Note) -> Path | None:
+def _live_page(path: Path, progress: ProgressLine) -> Path | None:
     """The live page of car_drop; None where this installation has no library for web pages."""
     try:
         wasm_library()
     except SoftffdError:
         return None
-    return write_live("car_drop", path, stage=stage)
+    return write_live("car_drop", path, stage=progress.stage, progress=progress)
 
 
 def run_demo(folder: Path) -> None:
@@ -39,7 +39,7 @@ def run_demo(folder: Path) -> None:
         progress.stage("drawing bump.png, writing bump.html")
         struck.plot(folder / "bump.png")
         struck.view(folder / "bump.html", browser=False)
-        page = _live_page(folder / "live.html", progress.stage)
+        page = _live_page(folder / "live.html", progress)
     print(f"  picture: {folder / 'picture.png'}")
     print(f"  to play and turn it in a browser: {folder / 'view.html'}")
     if page:

@@ -135,6 +135,7 @@ Object.assign(source, {
     Object.assign(grip, { id: e.pointerId, start: grip.weights ? null : now.parts[grip.part].map((x, a) => x - centre[a]) });
     canvas.style.cursor = "grabbing";
     if (grip.part !== undefined) choose(grip.part);
+    if (!state.playing) tell("Paused: it moves while the simulation plays, or step by step");
     source.drag(e);
   },
   drag(e) {

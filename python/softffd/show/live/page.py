@@ -17,7 +17,7 @@ from softffd.files import write_text
 from softffd.installed import wasm_library
 from softffd.lattice import to_flat
 from softffd.run.progress import Note, silent
-from softffd.run.simulate import simulate
+from softffd.run.simulate import Progress, simulate
 from softffd.scene.document import SHIPPED
 from softffd.scene.scene import Scene, scene_of
 from softffd.show.live.described import Described
@@ -32,16 +32,17 @@ SCRIPTS = ("source.js", "hand.js", "contact.js", "panel.js")
 LEAST_SCALE = 0.1  # end of a colour scale: strain, or share of the object's size
 
 
-def write_live(scene: Scene | str | Path, path: str | Path, *, stage: Note = silent) -> Path:
+def write_live(scene: Scene | str | Path, path: str | Path, *, stage: Note = silent, progress: Progress | None = None) -> Path:
     """Writes the page in which a scene is simulated to `path`; returns the path.
 
     scene: a scene, the path of its file, or the name of a shipped one. Its own run, with the inputs beside its file, says what is in view.
-    stage: is told what is being done. Raises SoftffdError where this installation has no library for web pages.
+    stage: is told what is being done; progress: how far that run is, as in `simulate`. Raises SoftffdError where this installation has no
+    library for web pages.
     """
     library = wasm_library()
     scene = scene_of(scene, "write_live")
     stage("simulating, to see how much room it takes")
-    run = simulate(scene.replace({"outputs.positions": "all"}), inputs=scene.default_inputs)
+    run = simulate(scene.replace({"outputs.positions": "all"}), inputs=scene.default_inputs, progress=progress)
     stage(f"writing {Path(path).name}")
     write_text(path, live_page(scene, stage_of(run), library.read_bytes()))
     return Path(path)

@@ -1,7 +1,7 @@
 // ---- the source of what is simulated now: a worker steps the component, the page keeps the clock --------------------
 const live = JSON.parse(element("live").textContent), { h, centre } = live.open, WINDOW = 5;   // s that curves show
 let now = { frame: 0, points: Float32Array.from(live.start), outputs: null, parts: live.open.parts.map(part => part.point), pull: null, at: null };
-let worker, asked = {}, owed = 0, failed = false, hand = null, largest_force = live.weight || 1e-9, looked_at = null;
+let worker, asked = {}, owed = 0, failed = false, hand = null, largest_force = live.weight || 1e-9, looked_at = null, drawn = 0, telling;
 const waiting_messages = [], pace = { clock: 0, time: 0, now: 1 };
 for (const each of obstacles) each.pose = [...decode(each.poses, Float32Array)];
 
@@ -42,7 +42,11 @@ const source = {
     load();
   },
   switched() { pace.clock = 0; shown = null; },          // between playing and paused
-  follow() { for (const row of run.rows) draw_curve(row); },
+  follow() {
+    if (state.playing && performance.now() - drawn < 100) return;
+    drawn = performance.now();
+    run.rows.forEach(draw_curve);
+  },
   go_to() {},
   // A worker that is late makes time go slower: what it owes is forgotten.
   advance(passed) {
@@ -61,6 +65,7 @@ function size_of(row, vector) {
 
 // ---- the worker: one request at a time ------------------------------------------------------------------------------
 async function load() {
+  if (!globalThis.WebAssembly || !globalThis.DecompressionStream) return say_instead("This page simulates with WebAssembly, and needs a browser of 2023 or later.");
   try {
     const packed = Uint8Array.from(atob(element("wasm").textContent.trim()), c => c.charCodeAt(0));
     const wasm = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
@@ -117,7 +122,11 @@ function stop(text) {
   set_playing(false);
   tell(`stopped: ${text}. Again starts anew`);
 }
-function tell(text) { element("told").textContent = text; }
+function tell(text) {
+  element("told").textContent = text;
+  clearTimeout(telling);
+  telling = setTimeout(() => { element("told").textContent = ""; }, failed ? 1e9 : 15000);
+}
 
 // The last seconds of a value, as a curve.
 function draw_curve({ trace, parts }) {
