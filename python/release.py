@@ -48,11 +48,11 @@ def pip(python):
 
 def compiling(python, platforms, libraries):
     """The commands that compile the platforms' libraries into folders of `libraries`."""
-    commands = [[*pip(python), "install", "ziglang", "cmake", "ninja", "cmeel-eigen", "fmpy"]]
+    commands = [[*pip(python), "install", "ziglang", "cmake>=3.26", "ninja", "cmeel-eigen", "fmpy"]]
     for name in platforms:
         commands.append(["cmake", "--preset", name, "-G", "Ninja", "-DSOFTFFD_TESTS=OFF", f"-DPython3_EXECUTABLE={python}"])
         commands.append(["cmake", "--build", f"build/{name}", "--target", "softffd"])
-        commands.append(["cmake", "-E", "copy_directory", f"build/{name}/binaries", libraries])
+        commands.append(["cmake", "-E", "copy_directory_if_different", f"build/{name}/binaries", libraries])
     return commands
 
 

@@ -128,7 +128,7 @@ def test_command_runs(line, folder, monkeypatch):
     assert (program, words.pop(0)) == ("python3", "python/run.py")
     if words[0] == "bench":
         run_apart([sys.executable, ROOT / "benchmarks" / "bench.py", "--quick", *words[1:]], folder)
-    elif words[0] in ("release", "docs"):
+    elif words[0] in ("release", "wasm", "docs"):
         run_apart([sys.executable, ROOT / "python" / "run.py", words[0]], folder)
     elif words[0] in TOOLS:  # run.py hands over to the same program once it has set up
         printed_by(exit_status, lambda: run_tool(words))

@@ -74,6 +74,15 @@ def test_a_set_up_that_was_interrupted_is_done_again(half, monkeypatch):
     assert half.installed and half.STAMP.exists()
 
 
+def test_what_is_of_older_sources_goes(script, monkeypatch, tmp_path):
+    old = tmp_path / "wasm32-wasi" / "softffd.wasm"
+    old.parent.mkdir()
+    old.write_bytes(b"old")
+    monkeypatch.setattr(script, "installed_libraries", lambda _python: tmp_path)
+    script.forget_wasm()
+    assert not old.exists() and tmp_path.is_dir()
+
+
 def test_what_pip_takes_for_installed_is_named(half):
     half.lost = ["pydantic"]
     with pytest.raises(SystemExit, match=r"\.venv holds parts only of pydantic; remove the folder .* and run this again"):
