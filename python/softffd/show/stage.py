@@ -36,6 +36,11 @@ class Track:
     normals: np.ndarray
     tangents: np.ndarray
 
+    @cached_property
+    def axes(self) -> np.ndarray:
+        """Its axes, unit vectors as rows (T, 3, 3)."""
+        return np.stack([self.tangents, np.cross(self.normals, self.tangents), self.normals], axis=1)
+
 
 @dataclass(frozen=True, eq=False)
 class PlaneTrack(Track):
@@ -54,11 +59,6 @@ class SolidTrack(Track):
     """A solid obstacle over time, by its centre."""
 
     form: Form
-
-    @cached_property
-    def axes(self) -> np.ndarray:
-        """Its axes, unit vectors as rows (T, 3, 3)."""
-        return np.stack([self.tangents, np.cross(self.normals, self.tangents), self.normals], axis=1)
 
     def surface(self, frame: int) -> tuple[np.ndarray, np.ndarray]:
         """Vertices (V, 3) [m] and their normals (V, 3) in a frame."""
