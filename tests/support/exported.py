@@ -1,10 +1,34 @@
-"""Readers of exported files that know nothing of how they were written: each gives places of vertices over time."""
+"""What exported files must have, and readers of them that know nothing of how they were written: places of vertices over time."""
 
 import json
 import struct
 from pathlib import Path
 
 import numpy as np
+
+from softffd import Result
+from softffd.show.stage import stage_of
+
+
+def surface(result: Result, row: int) -> np.ndarray:
+    """Vertices of what is exported (V, 3) [m] at a row."""
+    return result.deformed(result.loaded_mesh or stage_of(result).vertices, row=row)
+
+
+def solids(result: Result, row: int) -> dict[str, np.ndarray]:
+    """Places of the vertices of solid obstacles by name, as the result has their poses."""
+    return {solid.name: solid.surface(row)[0] for solid in stage_of(result).solids}
+
+
+def planes(result: Result, row: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Point and normal of planes by name."""
+    poses = {part.name: result.plane(part.name) for part in result.obstacle_parts() if part.kind == "plane"}
+    return {name: (points[row], normals[row] / np.linalg.norm(normals[row])) for name, (points, normals) in poses.items()}
+
+
+def single(places: np.ndarray) -> float:
+    """What single precision leaves of places [m]."""
+    return 2e-7 * np.abs(places).max()
 
 
 def read_pc2(path: Path) -> tuple[np.ndarray, float, float]:

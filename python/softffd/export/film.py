@@ -17,7 +17,7 @@ from softffd.show.touch import touch_of
 
 SHORTEST, LONGEST = 2.0, 20.0
 """Of a film [s]; a run that takes less or more is shown slower or faster"""
-SIZES = {".gif": (640, 420, 20), ".mp4": (1280, 840, 30)}
+SIZES = {".gif": (640, 420, 20), ".mp4": (960, 640, 30)}
 """Width and height in pixels, pictures per second"""
 INK = (27, 36, 48)
 

@@ -47,10 +47,14 @@ class Format:
 
 
 FORMATS = {
+    "vtkhdf": Format((".vtkhdf",), "vtkhdf", needs=("h5py", "vtkhdf")),
+    "vtu": Format((".pvd", ".vtu"), "vtu", series=".vtu"),
     "glb": Format((".glb",), "glb", approximates=True),
+    "usd": Format((".usdc", ".usd", ".usda"), "usd", needs=("pxr", "usd")),
     "pc2": Format((".pc2",), "pc2", beside=("_rest.obj", "_rest.mtl")),
     "ply": Format((".ply.series", ".ply"), "ply", series=".ply"),
     "gif": Format((".gif",), "film"),
+    "mp4": Format((".mp4",), "film"),
 }
 
 

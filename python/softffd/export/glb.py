@@ -20,7 +20,7 @@ import numpy as np
 from softffd.embedding.deform import Embedding
 from softffd.errors import SoftffdError
 from softffd.export.modes import Motion, motion_of
-from softffd.export.take import Rigid, Take
+from softffd.export.take import CLEAR, Rigid, Take
 from softffd.mesh.bodies import quiet_trimesh
 from softffd.mesh.looks import Looks, Material, to_light
 from softffd.mesh.mesh import Mesh
@@ -30,8 +30,8 @@ from softffd.show.skin import PAINT
 
 LARGEST = 2e9
 """Bytes of the targets; a GLB file has at most twice as many in all"""
-CLEAR = 0.5
-"""Opacity of planes, which are before the object from some side"""
+BEHIND = 1e-3
+"""How far planes are moved back, as a share of their side: viewers show surfaces at one place as noise"""
 Z_UP = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 """The rotation (x, y, z, w) that turns +z into +y"""
 
@@ -197,8 +197,10 @@ def _body(obstacle: Rigid) -> Any:
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
-    factor = np.append(to_light(np.array(obstacle.tint)), CLEAR if obstacle.is_plane else 1.0)
-    mode = "BLEND" if obstacle.is_plane else "OPAQUE"
-    material = PBRMaterial(obstacle.name, baseColorFactor=factor, alphaMode=mode, doubleSided=obstacle.is_plane, metallicFactor=0.0)
+    clear, flat = obstacle.kind == "plane", obstacle.kind != "solid"
+    factor = np.append(to_light(np.array(obstacle.tint)), CLEAR if clear else 1.0)
+    mode = "BLEND" if clear else "OPAQUE"
+    material = PBRMaterial(obstacle.name, baseColorFactor=factor, alphaMode=mode, doubleSided=clear, metallicFactor=0.0)
+    vertices = obstacle.vertices - obstacle.normals * (BEHIND * np.ptp(obstacle.vertices, axis=0).max() if flat else 0.0)
     visual = TextureVisuals(material=material)
-    return trimesh.Trimesh(obstacle.vertices, obstacle.faces, vertex_normals=obstacle.normals, visual=visual, process=False)
+    return trimesh.Trimesh(vertices, obstacle.faces, vertex_normals=obstacle.normals, visual=visual, process=False)

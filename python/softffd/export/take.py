@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from softffd.show.stage import PlaneTrack, SolidTrack, Stage, stage_of
 
 FLOOR, PLATE = 1.5, 1.0
 """Half the side of a plane's square, as a share of half the diagonal of all there is to see"""
+CLEAR = 0.25
+"""Opacity of planes that are no floor: from some side they are before the object"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +29,7 @@ class Rigid:
 
     name: str
     tint: Tint
-    is_plane: bool
+    kind: Literal["floor", "plane", "solid"]
     vertices: np.ndarray
     normals: np.ndarray
     faces: np.ndarray
@@ -93,9 +96,9 @@ class Take:
     def _rigid(self, track: PlaneTrack | SolidTrack) -> Rigid:
         if isinstance(track, SolidTrack):
             form = track.form
-            return Rigid(track.name, track.tint, False, form.vertices, form.normals, form.faces, track.points, track.axes)
+            return Rigid(track.name, track.tint, "solid", form.vertices, form.normals, form.faces, track.points, track.axes)
         half = self.stage.radius * (FLOOR if track.is_floor else PLATE)
         foot = track.axes[0] @ (self.stage.centre - track.points[0]) * [1.0, 1.0, 0.0]
         corners = foot + half * np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]])
         normals, faces = np.tile([0.0, 0.0, 1.0], (4, 1)), np.array([[0, 1, 2], [0, 2, 3]])
-        return Rigid(track.name, track.tint, True, corners, normals, faces, track.points, track.axes)
+        return Rigid(track.name, track.tint, "floor" if track.is_floor else "plane", corners, normals, faces, track.points, track.axes)

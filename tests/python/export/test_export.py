@@ -10,51 +10,14 @@ import pytest
 from PIL import Image
 from scipy.spatial import cKDTree
 
-from exported import Glb, read_pc2
-from made_up_run import made_up_run, with_solids
-from scenes import box, meshed
-from softffd import Result, SoftffdError, load_mesh, simulate
+from exported import Glb, planes, read_pc2, single, solids, surface
+from made_up_run import made_up_run
+from scenes import box
+from softffd import SoftffdError, load_mesh, simulate
 from softffd.cli.command import main
 from softffd.export.film import SIZES
 from softffd.export.formats import FORMATS, format_of
-from softffd.scene.rigid import Box, Cylinder, Sphere
 from softffd.show.stage import stage_of
-from validation.shapes import sphere
-
-
-@pytest.fixture(scope="module")
-def thrown(tmp_path_factory) -> Result:
-    """A ball of a mesh that spins, falls on the ground and is squashed."""
-    falls = {"initial": {"angular_velocity": [0.0, 6.0, 1.0]}, "environment": {"gravity": [0.0, 0.0, -9.81]}, "stop_time": 0.6}
-    ground = {"name": "ground", "point": [0.0, 0.0, -0.3]}
-    folder = tmp_path_factory.mktemp("thrown")
-    return simulate(meshed(folder, sphere(2), plane=[ground], stiffness=400.0, communication_step=0.01, **falls))
-
-
-@pytest.fixture(scope="module")
-def pressed() -> Result:
-    """A box without a mesh between planes, beside a ball and a log that move, and a block that turns."""
-    ball = Sphere(name="ball", radius=0.3, point=(2.0, 0.0, 0.5), velocity=(-0.5, 0.0, 0.0))
-    log = Cylinder(name="log", radius=0.2, length=1.0, point=(-2.0, 0.0, 0.5), normal=(1.0, 1.0, 0.0), angular_velocity=(0.0, 0.0, 1.0))
-    block = Box(name="block", size=(0.5, 0.4, 0.3), point=(0.0, 2.0, 0.5), angular_velocity=(1.0, 2.0, 0.0))
-    return with_solids(made_up_run(frames=21), ball, log, block)
-
-
-@pytest.fixture(scope="module", params=["thrown", "pressed"])
-def run(request) -> Result:
-    return request.getfixturevalue(request.param)
-
-
-def surface(result: Result, row: int) -> np.ndarray:
-    """Vertices of what is exported (V, 3) [m] at a row."""
-    if result.loaded_mesh:
-        return result.deformed(row=row)
-    return result.deformed(stage_of(result).vertices, row=row)
-
-
-def single(places: np.ndarray) -> float:
-    """What single precision leaves of places [m]."""
-    return 2e-7 * np.abs(places).max()
 
 
 def test_pc2_has_every_vertex_at_every_row_and_its_mesh_beside_it(run, tmp_path):
@@ -90,19 +53,14 @@ def test_glb_is_within_the_error_that_it_states(run, tolerance, tmp_path):
     for row, time in enumerate(glb.time):
         shown = glb.at(time)
         errors.append(np.linalg.norm(shown["object"] - surface(run, row)[index], axis=1).max())
-        for part, places in obstacles(run, row).items():
+        for part, places in solids(run, row).items():
             assert np.abs(shown[part] - places).max() <= 2 * single(places), part
+        for part, (point, normal) in planes(run, row).items():
+            depth = (point - shown[part]) @ normal  # behind, so that what touches is seen
+            assert np.ptp(depth) <= 4 * single(shown[part]) and 0 < depth.mean() < 0.02 * side, part
     assert max(errors) == pytest.approx(said["largest_error_m"], rel=1e-3, abs=1e-6 * side)
     assert said["largest_error_m"] <= (tolerance or 1e-3) * side and said["largest_error_of_box"] == said["largest_error_m"] / side
     assert glb.time == pytest.approx(run.time - run.time[0], abs=1e-6)
-
-
-def obstacles(result: Result, row: int) -> dict[str, np.ndarray]:
-    """Places of the vertices of solids at a row, by the pose that the result has."""
-    found = {}
-    for solid in stage_of(result).solids:
-        found[solid.name] = solid.surface(row)[0]
-    return found
 
 
 def test_glb_takes_more_windows_for_less_error_and_no_more_than_eight_shapes(thrown, tmp_path):
