@@ -99,6 +99,7 @@ class Glb:
         for primitive in primitives:
             shape = self.array(primitive["attributes"]["POSITION"]).astype(float)
             targets = [self.array(target["POSITION"]) for target in primitive.get("targets", [])]
+            assert weights is None or (weights.min() >= 0 and weights.max() <= 1)  # outside of that Blender takes the nearer end
             assert len(targets) <= 8 and len(targets) == (0 if weights is None else len(weights))
             shapes.append(shape + (np.tensordot(weights, targets, 1) if targets else 0.0))
         return np.concatenate(shapes)

@@ -43,31 +43,32 @@ def write(take: Take, path: Path) -> None:
     points = stage.positions[take.rows].reshape(len(take.rows), -1, 3)
     motion = motion_of(points, stage.rest.reshape(-1, 3), 0.99 * take.tolerance * side)
     mesh = _dressed(take.mesh)
-    count = sum(len(window.shapes) for window in motion.windows)
-    if 12.0 * count * len(mesh.vertices) > LARGEST:
+    windows, counts = len(motion.windows), [len(window.shapes) for window in motion.windows]
+    if 12.0 * sum(counts) * len(mesh.vertices) > LARGEST:
         raise SoftffdError(
-            f"export to glb: {count} shapes of {len(mesh.vertices):,} vertices are more than a file holds; wanted a larger tolerance than "
-            f"{take.tolerance:g} (--tolerance), fewer rows (--frames), or vtkhdf or usd, which have no shapes"
+            f"export to glb: {sum(counts)} shapes of {len(mesh.vertices):,} vertices are more than a file holds; wanted a larger tolerance "
+            f"than {take.tolerance:g} (--tolerance), fewer rows (--frames), or vtkhdf or usd, which have no shapes"
         )
     take.note("deforming the mesh by the shapes")
     embedding = Embedding(mesh.vertices, stage.origin, stage.size, stage.counts, stage.basis)
-    targets = [embedding.deform(window.shapes.reshape(-1, *stage.counts, 3)).astype(np.float32) for window in motion.windows]
-    error = _error(take, motion, targets)
+    shapes = [embedding.deform(window.shapes.reshape(-1, *stage.counts, 3)) for window in motion.windows]
+    for each in shapes:
+        each[0] += mesh.vertices - motion.centre
+    shapes = [each.astype(np.float32) for each in shapes]
+    error = _error(take, motion, shapes)
     if error > take.tolerance * side:
         raise SoftffdError(
             f"export to glb: the numbers of this format, in single precision, leave an error of {error / side:.2g} of the box; wanted a "
             f"tolerance above that, got {take.tolerance:g}"
         )
-    file = _File(mesh, mesh.vertices - motion.centre, take)
-    file.animate(take, motion, targets)
-    windows = len(motion.windows)
+    file = _File(mesh, shapes, take)
+    file.animate(take, motion, shapes)
     file.tree["asset"]["extras"] = {
         "largest_error_m": error, "largest_error_of_box": error / side, "tolerance_of_box": take.tolerance, "windows": windows,
         "rows": len(take.rows), "start_time_s": take.time[0], "title": stage.title,
     }  # fmt: skip
     path.write_bytes(file.packed())
-    most = max(len(window.shapes) for window in motion.windows)
-    parts = f"{windows} windows of at most {most}" if windows > 1 else str(most)
+    parts = f"{windows} windows of at most {max(counts) - 1}" if windows > 1 else str(counts[0] - 1)
     take.say(f"rigid motion and {parts} shapes; largest error {error:.2g} m, {error / side:.2g} of the box, as in asset.extras")
 
 
@@ -79,45 +80,42 @@ def _dressed(mesh: Mesh) -> Mesh:
     return replace(mesh, looks=looks)
 
 
-def _error(take: Take, motion: Motion, targets: list[np.ndarray]) -> float:
-    """The largest distance [m] of a vertex in the file's numbers from where it is, over all rows."""
-    base = (take.mesh.vertices - motion.centre).astype(np.float32)
+def _error(take: Take, motion: Motion, shapes: list[np.ndarray]) -> float:
+    """The largest distance [m] of a vertex in the file's numbers from where it is, over all rows. shapes: of windows, (1 + K, V, 3)."""
     means, turns = motion.means.astype(np.float32), motion.turns.astype(np.float32).astype(float)
-    worst, windows = 0.0, iter(zip(motion.windows, targets, strict=True))
-    window, shapes = next(windows)
+    worst, windows = 0.0, iter(zip(motion.windows, shapes, strict=True))
+    window, (base, *targets) = next(windows)
     for number, row in take.told_rows("comparing row"):
         if number > window.last:
-            window, shapes = next(windows)
-        weights = window.weights[number - window.first].astype(np.float32)
-        shown = means[number] + (base + np.tensordot(weights, shapes, 1)) @ turns[number]
-        worst = max(worst, float(np.linalg.norm(shown - take.deformed(row), axis=1).max()))
+            window, (base, *targets) = next(windows)
+        weights = window.weights[number - window.first].astype(np.float32).tolist()
+        local = base.astype(float) + sum(weight * target for weight, target in zip(weights, targets, strict=True))
+        worst = max(worst, float(np.linalg.norm(means[number] + local @ turns[number] - take.deformed(row), axis=1).max()))
     return worst
 
 
 class _File:
     """The tree of a GLB file and its data: what trimesh writes of the meshes, and what is added."""
 
-    def __init__(self, mesh: Mesh, vertices: np.ndarray, take: Take):
+    def __init__(self, mesh: Mesh, shapes: list[np.ndarray], take: Take):
         import trimesh
 
         with quiet_trimesh():
             scene = trimesh.Scene()
-            bodies = list(glb_bodies(mesh, vertices))
-            for _, _, body in bodies:
+            windows = [list(glb_bodies(mesh, each[0].astype(float))) for each in shapes]
+            for body in (*(_body(obstacle) for obstacle in take.obstacles), *(body for window in windows for _, _, body in window)):
                 scene.add_geometry(body)
-            for obstacle in take.obstacles:
-                scene.add_geometry(_body(obstacle))
             written = cast(bytes, scene.export(file_type="glb", include_normals=True))
         end = 20 + int.from_bytes(written[12:16], "little")
         self.tree: dict[str, Any] = json.loads(written[20:end])
         self._data, self._length = [written[end + 8 :]], len(written) - end - 8
-        self._used = [used for _, used, _ in bodies]
-        self._own = [each["primitives"][0] for each in self.tree["meshes"][: len(bodies)]]
-        self.tree["meshes"] = self.tree["meshes"][len(bodies) :]
+        meshes = iter(self.tree["meshes"][len(take.obstacles) :])
+        self._own = [[(next(meshes)["primitives"][0], used) for _, used, _ in window] for window in windows]
+        self.tree["meshes"] = self.tree["meshes"][: len(take.obstacles)]
         self.tree["asset"]["generator"] = "softffd"
 
-    def animate(self, take: Take, motion: Motion, targets: list[np.ndarray]) -> None:
-        """Makes the nodes, with the targets (K, V, 3) of each window, and their animation."""
+    def animate(self, take: Take, motion: Motion, shapes: list[np.ndarray]) -> None:
+        """Makes the nodes, with the shapes (1 + K, V, 3) of each window, and their animation."""
         self._time = (take.time - take.time[0]).astype(np.float32)
         self._channels: list[dict[str, Any]] = []
         self._samplers: list[dict[str, Any]] = []
@@ -129,11 +127,11 @@ class _File:
             self._pose(node, obstacle.points[rows], obstacle.axes[rows])
         whole = self._node(0, {"name": "object"})
         self._pose(whole, motion.means, motion.turns)
-        for number, (window, shapes) in enumerate(zip(motion.windows, targets, strict=True)):
+        for number, (window, (_, *targets), own) in enumerate(zip(motion.windows, shapes, self._own, strict=True)):
             node = self._node(whole, {"name": f"window {number + 1}", "mesh": len(self.tree["meshes"])})
-            primitives = [self._primitive(own, shapes[:, used]) for own, used in zip(self._own, self._used, strict=True)]
+            primitives = [self._primitive(each, [target[used] for target in targets]) for each, used in own]
             self.tree["meshes"].append({"name": f"window {number + 1}", "primitives": primitives})
-            if len(shapes):
+            if targets:
                 self.tree["nodes"][node]["weights"] = window.weights[0].tolist()
                 self._channel(node, "weights", window.weights.reshape(-1), slice(window.first, window.last + 1))
             if len(motion.windows) > 1:
@@ -168,8 +166,8 @@ class _File:
         self._channels.append({"sampler": len(self._samplers), "target": {"node": node, "path": what}})
         self._samplers.append(sampler)
 
-    def _primitive(self, own: dict[str, Any], shapes: np.ndarray) -> dict[str, Any]:
-        return own | ({"targets": [{"POSITION": self._accessor(shape)} for shape in shapes]} if len(shapes) else {})
+    def _primitive(self, own: dict[str, Any], targets: list[np.ndarray]) -> dict[str, Any]:
+        return own | ({"targets": [{"POSITION": self._accessor(target)} for target in targets]} if targets else {})
 
     def _accessor(self, values: np.ndarray) -> int:
         """Numbers (N,) or (N, c), as single precision with their bounds; the accessor's number."""

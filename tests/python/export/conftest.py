@@ -15,7 +15,7 @@ def thrown(tmp_path_factory) -> Result:
     falls = {"initial": {"angular_velocity": [0.0, 6.0, 1.0]}, "environment": {"gravity": [0.0, 0.0, -9.81]}, "stop_time": 0.6}
     ground = {"name": "ground", "point": [0.0, 0.0, -0.3]}
     folder = tmp_path_factory.mktemp("thrown")
-    return simulate(meshed(folder, sphere(2), plane=[ground], stiffness=400.0, communication_step=0.01, **falls))
+    return simulate(meshed(folder, sphere(2), plane=[ground], stiffness=400.0, communication_step=0.02, **falls))
 
 
 @pytest.fixture(scope="session")
@@ -24,7 +24,7 @@ def pressed() -> Result:
     ball = Sphere(name="ball", radius=0.3, point=(2.0, 0.0, 0.5), velocity=(-0.5, 0.0, 0.0))
     log = Cylinder(name="log", radius=0.2, length=1.0, point=(-2.0, 0.0, 0.5), normal=(1.0, 1.0, 0.0), angular_velocity=(0.0, 0.0, 1.0))
     block = Box(name="block", size=(0.5, 0.4, 0.3), point=(0.0, 2.0, 0.5), angular_velocity=(1.0, 2.0, 0.0))
-    return with_solids(made_up_run(frames=21), ball, log, block)
+    return with_solids(made_up_run(frames=11), ball, log, block)
 
 
 @pytest.fixture(scope="session")
