@@ -62,9 +62,8 @@ def size_of(path: Path) -> int:
 
 
 def require_new(paths: Iterable[Path], another: str) -> None:
-    """SoftffdError where one of these files or folders is there: to be asked before it is made. another: how to say where else it
-    could go."""
-    if there := [str(path) for path in paths if path.exists()]:
+    """SoftffdError where one of these files is there: to be asked before it is made. another: how to say where else it could go."""
+    if there := [str(path) for path in paths if path.is_file()]:
         raise SoftffdError(f"{', '.join(there)}: there already; to write over what is there: --overwrite, to keep it: {another}")
 
 

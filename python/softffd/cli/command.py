@@ -232,7 +232,8 @@ def _export(options: argparse.Namespace) -> None:
     name = format_of(options.output, options.to)
     path = options.output or Path(options.what.resolve().stem if options.what.is_file() else options.what.resolve().name)
     if not options.overwrite:
-        require_new(FORMATS[name].files(path), "another name by -o")
+        files = FORMATS[name].files(path)
+        require_new([next(file.iterdir(), file) if file.is_dir() else file for file in files], "another name by -o FILE")
     asked = {"to": name, "tolerance": options.tolerance, "frames": options.frames}
     with ProgressLine("reading the result") as progress:
         result = kept_result(options.what)

@@ -35,14 +35,14 @@ class Format:
     approximates: bool = False
 
     def ending_of(self, name: str) -> str:
-        """Of the endings that which a file's name has; "" for none of them."""
+        """Of the endings that which a file's name has, as it stands there; "" for none of them."""
         return next((name[-len(each) :] for each in self.endings if name.lower().endswith(each)), "")
 
     def files(self, path: Path) -> list[Path]:
         """What is written for a path, with or without an ending: the file itself, then what is beside it."""
         ending = self.ending_of(path.name)
         stem = path.name.removesuffix(ending)
-        own = self.endings[0] if self.series or not ending else ending
+        own = self.endings[0] if self.series or not ending else ending.lower()
         return [path.with_name(stem + each) for each in (own, *self.beside, *([f"_{self.series[1:]}"] if self.series else []))]
 
 

@@ -78,7 +78,7 @@ def _surface(take: Take, places: np.ndarray, measured: Measured, row: int) -> tu
 
 def _lattice(take: Take, rest: np.ndarray, measured: Measured, row: int) -> tuple[np.ndarray, Arrays, Arrays]:
     points, scalars = take.lattice(row), measured(row)
-    tensors = {"strain": take.result.strain(row)} if take.result.lattice else {}
+    tensors = {"strain": take.result.strain(row)}
     if "von_mises" in scalars:
         tensors["stress"] = take.result.stress(row)
     cells = {name: to_flat(values[..., *SIX]) for name, values in tensors.items()}

@@ -25,6 +25,15 @@ AT_A_TIME = 1 << 26
 
 def write(take: Take, path: Path) -> None:
     """Writes the file, whose ending says how: .usdc or .usd in binary, .usda as text."""
+    from pxr import Tf
+
+    try:
+        _write(take, path)
+    except Tf.ErrorException as error:
+        raise OSError(f"{path.name} cannot be written: {error}") from None
+
+
+def _write(take: Take, path: Path) -> None:
     from pxr import Sdf, Usd, UsdGeom
 
     stage = Usd.Stage.CreateNew(str(path))

@@ -114,6 +114,13 @@ def test_the_ending_or_the_word_tells_the_format():
             format_of(path, to)
 
 
+def test_the_help_names_every_format(capsys):
+    with pytest.raises(SystemExit):
+        main(["export", "--help"])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "Format: " + ", ".join(list(FORMATS)[:-1]) + f" or {list(FORMATS)[-1]};" in said
+
+
 @pytest.mark.parametrize("name", FORMATS)
 def test_what_fails_leaves_no_file(name, thrown, tmp_path, monkeypatch):
     def stop(*_words):
@@ -162,3 +169,7 @@ def test_the_command_writes_beside_nothing_unless_it_may(tmp_path, monkeypatch, 
     assert main(["export", "nowhere", "--to", "glb"]) == 1
     assert "wanted a folder that softffd run wrote" in capsys.readouterr().err
     assert sorted(os.listdir()) == ["kept", "kept.glb"]
+    assert main(["export", "kept", "--to", "ply"]) == 0
+    Path("kept.ply.series").unlink()
+    assert main(["export", "kept", "--to", "ply"]) == 1
+    assert "kept_ply/kept_000" in capsys.readouterr().err
