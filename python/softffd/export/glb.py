@@ -68,8 +68,9 @@ def write(take: Take, path: Path) -> None:
         "rows": len(take.rows), "start_time_s": take.time[0], "title": stage.title,
     }  # fmt: skip
     path.write_bytes(file.packed())
-    parts = f"{windows} windows of at most {max(counts) - 1}" if windows > 1 else str(counts[0] - 1)
-    take.say(f"rigid motion and {parts} shapes; largest error {error:.2g} m, {error / side:.2g} of the box, as in asset.extras")
+    most = max(counts) - 1
+    parts = f"{windows} windows of at most {most} shapes" if windows > 1 else f"{most} shape{'s' * (most != 1)}"
+    take.say(f"rigid motion and {parts}; largest error {error:.2g} m, {error / side:.2g} of the box, as in asset.extras")
 
 
 def _dressed(mesh: Mesh) -> Mesh:
@@ -136,7 +137,8 @@ class _File:
                 self._channel(node, "weights", window.weights.reshape(-1), slice(window.first, window.last + 1))
             if len(motion.windows) > 1:
                 self._show(node, window.first, window.last)
-        self.tree["animations"] = [{"name": take.stage.title, "channels": self._channels, "samplers": self._samplers}]
+        if len(take.rows) > 1:
+            self.tree["animations"] = [{"name": take.stage.title, "channels": self._channels, "samplers": self._samplers}]
         self.tree["scenes"], self.tree["scene"] = [{"nodes": [0]}], 0
 
     def _node(self, parent: int, node: dict[str, Any]) -> int:

@@ -89,6 +89,13 @@ def test_a_rigid_run_needs_no_shape(tmp_path):
     assert not any("targets" in each for mesh in Glb(tmp_path / "still.glb").tree["meshes"] for each in mesh["primitives"])
 
 
+def test_a_run_of_one_row_stands_still(pressed, tmp_path):
+    one = {name: {key: np.atleast_1d(value)[:1] for key, value in getattr(pressed, name).items()} for name in ("outputs", "inputs")}
+    replace(pressed, time=pressed.time[:1], positions=pressed.positions[:1], **one).export(tmp_path / "one.glb")
+    data = (tmp_path / "one.glb").read_bytes()
+    assert "animations" not in json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+
+
 def test_gif_is_of_the_run_in_real_time(pressed, tmp_path, monkeypatch):
     monkeypatch.setitem(SIZES, ".gif", (160, 106, 20))
     pressed.export(tmp_path / "run.gif", frames=3)
