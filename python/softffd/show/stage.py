@@ -201,6 +201,8 @@ def up_direction(result: Result) -> np.ndarray:
 
 def _recorded(result: Result) -> np.ndarray:
     positions = np.asarray(result.positions, dtype=float)
+    if not np.prod(positions.shape[1:4]):
+        raise SoftffdError("The run cannot be shown: its FMU has no control points. Wanted: a run of an FMU of softffd.")
     missing = np.isnan(positions).any(axis=(0, 4)) if len(positions) else np.ones(positions.shape[1:4], dtype=bool)
     if missing.any():
         raise SoftffdError(
