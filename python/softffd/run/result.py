@@ -275,15 +275,11 @@ class Result:
             webbrowser.open(written.resolve().as_uri())
         return written
 
-    def export(
-        self, path: str | Path, *, to: str | None = None, tolerance: float | None = None, frames: int | None = None
-    ) -> list[Path]:  # fmt: skip
-        """Writes the run for another program, in the format that the path's ending means, or `to`: vtkhdf, vtu, glb, usd, pc2, ply, gif or
-        mp4. All files appear or none does, in place of those of their names. Returns their paths.
-
-        tolerance: of glb, the largest error of a vertex allowed, as a share of the largest side of the box, 1e-3 by default; the error that
-        there is stands in the file, asset.extras. frames: take so many rows, evenly chosen, 2 or more; all by default.
-        SoftffdError where positions were not recorded, a package or program is missing, or a folder holds other things."""
+    def export(self, path: str | Path, *, to: str | None = None, tolerance: float | None = None, frames: int | None = None) -> list[Path]:
+        """Writes the run for another program, in the format of the path's ending, or `to`: vtkhdf, vtu, glb, usd, pc2, ply, gif or mp4.
+        All files appear or none does, in place of those of their names. Returns their paths.
+        tolerance: of glb, the largest error of a vertex as a share of the largest side of the box; 1e-3 by default. frames: how many rows
+        to take, evenly chosen, >= 2; all by default. SoftffdError where positions were not recorded or something is missing."""
         from softffd.export.formats import export_result
 
         return export_result(self, path, to=to, tolerance=tolerance, frames=frames)
