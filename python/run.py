@@ -179,12 +179,12 @@ def set_up():
     STAMP.write_text(print_once)
 
 
-def add_comparisons():
-    """What the program is compared with, for the numpy that is there; what cannot be had is left out of the table."""
+def add_extra(extra, without):
+    """The packages of an extra, for the numpy that is there; of one that cannot be had it is said what is missing."""
     there = subprocess.check_output([PYTHON, "-c", "import numpy; print('numpy==' + numpy.__version__)"], text=True).strip()
-    for name in settings("project")["optional-dependencies"]["comparisons"]:
+    for name in settings("project")["optional-dependencies"][extra]:
         if subprocess.call(pip_command("install", name, there)) != 0:
-            step(f"no {name} for this Python and {there}, see above: its rows are missing")
+            step(f"no {name} for this Python and {there}, see above: {without}")
 
 
 def main():
@@ -204,11 +204,13 @@ def main():
         options = ["-n", "auto", "--dist", "worksteal", *(["-m", "lint"] if arguments[0] == "lint" else [])]
         if "--full" not in arguments:  # a test that hangs ends its process with a stack trace, and fails
             options += ["-o", f"faulthandler_timeout={HANGS}", "-o", "faulthandler_exit_on_timeout=true"]
+        else:
+            add_extra("readers", "its tests are skipped")
         env = compiler_environment()
         env.pop("PYTHONDONTWRITEBYTECODE", None)  # else each process that a test starts compiles the package anew
         return subprocess.call([PYTHON, "-m", "pytest", *options, *arguments[1:]], cwd=ROOT, env=env)
     if arguments[0] == "bench":
-        add_comparisons()
+        add_extra("comparisons", "its rows are missing")
         return subprocess.call([PYTHON, ROOT / "benchmarks" / "bench.py", *arguments[1:]])
     command = [str(PYTHON), "-m", "validation" if arguments[0] in TOOLS else "softffd", *arguments]
     if os.name == "posix":  # in this process, so that signals reach it

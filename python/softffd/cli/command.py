@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from softffd.cli.options import parse, setting
 from softffd.errors import Interrupted, SoftffdError
-from softffd.files import require_new, require_writable
+from softffd.files import require_new, require_writable, size_of
 from softffd.run.progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -242,6 +242,23 @@ def _live(options: argparse.Namespace) -> None:
         webbrowser.open(page.resolve().as_uri())
 
 
+def _export(options: argparse.Namespace) -> None:
+    from softffd.cli.keep import kept_result
+    from softffd.export.formats import FORMATS, export_result, format_of
+
+    name = format_of(options.output, options.to)
+    path = options.output or Path(options.what.resolve().stem if options.what.is_file() else options.what.resolve().name)
+    if not options.overwrite:
+        files = FORMATS[name].files(path)
+        require_new([next(file.iterdir(), file) if file.is_dir() else file for file in files], "another name by -o FILE")
+    asked = {"to": name, "tolerance": options.tolerance, "frames": options.frames}
+    with ProgressLine("reading the result") as progress:
+        result = kept_result(options.what)
+        progress.stage(f"exporting to {name}")
+        files = export_result(result, path, **asked, note=progress.note, say=lambda line: progress.say(f"  {line}"))
+    print("\n".join(f"{file}: {size_of(file) / 1024:,.0f} kB" for file in files))
+
+
 def _info(options: argparse.Namespace) -> None:
     from softffd.cli.info import told_info
     from softffd.fmu.component import Component
@@ -262,5 +279,6 @@ def _schema(_options: argparse.Namespace) -> None:
 
 COMMANDS: dict[str, Callable[[argparse.Namespace], None]] = {
     "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _sweep, "accuracy": _accuracy,
-    "drivers": _drivers, "scenes": _scenes, "view": _view, "live": _live, "info": _info, "new": _new, "schema": _schema,
+    "drivers": _drivers, "scenes": _scenes, "view": _view, "live": _live, "export": _export, "info": _info, "new": _new,
+    "schema": _schema,
 }  # fmt: skip

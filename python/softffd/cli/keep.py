@@ -143,9 +143,19 @@ def free_folder(folder: Path) -> Path:
 
 def page_of(kept: Path) -> Path:
     """The interactive page of a folder that a run is kept in, or of one file: the one that is there, else written from the result."""
-    results, page = (kept / KEPT, kept / "view.html") if kept.is_dir() else (kept, kept.with_suffix(".html"))
-    if not results.is_file():
-        raise SoftffdError(f"{kept}: wanted a folder that softffd run wrote, or a file of Result.save, got no result there")
+    results, page = _results_of(kept), kept / "view.html" if kept.is_dir() else kept.with_suffix(".html")
     if page.is_file() and page.stat().st_mtime >= results.stat().st_mtime:
         return page
     return Result.load(results).view(page, browser=False)
+
+
+def kept_result(kept: Path) -> Result:
+    """The result of a folder that a run is kept in, or of one file."""
+    return Result.load(_results_of(kept))
+
+
+def _results_of(kept: Path) -> Path:
+    results = kept / KEPT if kept.is_dir() else kept
+    if not results.is_file():
+        raise SoftffdError(f"{kept}: wanted a folder that softffd run wrote, or a file of Result.save, got no result there")
+    return results
