@@ -20,7 +20,6 @@ from softffd.mesh.mesh import Mesh
 from softffd.run.findings import reactions
 from softffd.show.live.page import live_page, write_live
 from softffd.show.live.scene import is_recording, live_scene
-from softffd.show.stage import stage_of
 
 HOST = Path(__file__).parents[2] / "support" / "hosts" / "live_in_node.mjs"
 
@@ -124,7 +123,7 @@ def test_a_page_of_ten_thousand_triangles_is_below_two_megabytes(tmp_path):
         gravity=[0, 0, -9.81],
     )
     noise = np.random.default_rng(0).bytes(600_000)
-    page = live_page(scene, stage_of(simulate(scene.replace({"outputs.positions": "all"}), stop_time=0.01)), noise)
+    page = live_page(scene, simulate(scene.replace({"outputs.positions": "all"}), stop_time=0.01), noise)
     assert len(page.encode()) < 2e6
 
 

@@ -8,6 +8,7 @@ from softffd.cli.keep import run_scene_or_fmu
 from softffd.errors import SoftffdError
 from softffd.installed import wasm_library
 from softffd.show.live.page import write_live
+from softffd.show.tension import COLOURS
 
 ON_SCREEN = """(at => { const m = camera_matrix(camera_frame());
   const [x, y, , w] = [0, 1, 2, 3].map(r => m[r] * at[0] + m[4 + r] * at[1] + m[8 + r] * at[2] + m[12 + r]);
@@ -18,14 +19,15 @@ HEIGHT = "now.parts[live.open.parts.findIndex(part => part.label === 'press')][2
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory):
+def pages(tmp_path_factory):
     if CHROMIUM is None:
         pytest.skip("no chromium on this machine to look at the page with")
     try:
         wasm_library()
     except SoftffdError:
         pytest.skip("no WebAssembly library in this installation")
-    return write_live("press", tmp_path_factory.mktemp("page") / "live.html")
+    folder = tmp_path_factory.mktemp("pages")
+    return lambda name: write_live(name, folder / f"{name}.html")
 
 
 def ready(browser: Browser) -> Browser:
@@ -38,8 +40,8 @@ def on_screen(browser: Browser, place: str) -> list[float]:
 
 
 @pytest.mark.full
-def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, page):
-    with Browser(page, tmp_path) as browser:
+def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, pages):
+    with Browser(pages("press"), tmp_path) as browser:
         ready(browser)
         edge, lower = on_screen(browser, EDGE), on_screen(browser, f"plus({EDGE}, 0.3, {PRESS}.normal)")
         browser.drag(edge, lower)
@@ -91,8 +93,8 @@ def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, page):
 
 
 @pytest.mark.full
-def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, page):
-    with Browser(page, tmp_path, width=390, height=844, mobile=True) as browser:
+def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, pages):
+    with Browser(pages("press"), tmp_path, width=390, height=844, mobile=True) as browser:
         ready(browser)
         assert not browser.ask("element('panel').open")
         edge, lower = on_screen(browser, f"plus({PRESS}.centre, -0.6 * {PRESS}.extent[0] * {PRESS}.reach, {PRESS}.tangent)"), None
@@ -111,3 +113,28 @@ def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, page):
         browser.touch("touchMove", [90, 640])
         browser.touch("touchEnd")
         assert browser.ask("camera.yaw") < yaw and browser.ask("hand") is None and not browser.errors
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", ["press", "car_drop", "beam", "stiff_layer"])
+def test_colours_of_cells_are_those_of_a_run(tmp_path, pages, name):
+    """Stress and stretch of a pulled body, to a step of the 255 of the scale."""
+    with Browser(pages(name), tmp_path, width=300, height=300) as browser:
+        ready(browser)
+        browser.ask("set_playing(false)")
+        browser.wait_for("asked === null && element('frame').textContent === 'paused'")
+        browser.ask(
+            "(() => { hand = pull(weights_at([0.9, 0.9, 0.9]), [run.radius, 0, 0]); ask({ run: now.frame + 20 * h, budget: 1e9, hand }); })()"
+        )
+        browser.wait_for("asked === null && now.pull")
+        shares = [browser.ask(f"[...source.cells(run.cells[{n}])]") for n in range(2)]
+        cells = browser.ask("run.cells")
+        browser.ask("keep_recording = text => { window.kept = text; }, element('record').click()")
+        (tmp_path / "recording.csv").write_text(browser.wait_for("window.kept"))
+        assert not browser.errors
+    result = run_scene_or_fmu(name, inputs=tmp_path / "recording.csv")
+    for each, found in zip(cells, shares, strict=True):
+        low, high = each["ends"]
+        values = COLOURS[each["name"]][2](result, -1).transpose(2, 1, 0).ravel()
+        assert np.abs(np.array(found[::2]) - 255 * ((values - low) / (high - low)).clip(0, 1)).max() < 1.5
+        assert values.max() > low + 0.01 * (high - low) and not any(found[1::2])

@@ -15,6 +15,7 @@ from softffd.lattice import all_points
 from softffd.names import Part, parse_name, stem, variable_names, vector_names
 from softffd.scene.rigid import Pin
 from softffd.scene.scene import Scene
+from softffd.scene.springs import cell_stiffness
 from softffd.show.live.scene import RECORDED
 from softffd.show.stage import Stage
 from softffd.show.view import ENERGY_MARKS, hex_of
@@ -123,6 +124,16 @@ class Described:
             uvw = [parameter(place[[axis]], n, self.stage.basis).item() for axis, n in enumerate(self.stage.counts)]
             probes.append({"label": probe.name, "uvw": uvw})
         return probes
+
+    def material(self) -> dict[str, Any]:
+        """For stress: whether the body is a solid; else the springs of its cells (cells * 13) [N/m], and what these have more where all
+        have twice their stiffness, regions apart."""
+        if self.scene.is_solid:
+            return {"solid": True}
+        doubled = {name: 2 * self._start[name] for name in self._tunable if name.startswith(("stiffness", "youngs_modulus"))}
+        once, twice = (cell_stiffness(self.scene, parameters).ravel() for parameters in ({}, doubled))
+        texts = {"springs": once, "stiffer": twice - once}
+        return {"solid": False} | {name: [float(f"{value:.6g}") for value in values] for name, values in texts.items()}
 
     def pull(self) -> dict[str, float]:
         """The spring between hand and object: half as stiff as a spring of the body, or a rod of it [N/m]; its greatest force [N]."""
