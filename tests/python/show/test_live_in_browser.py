@@ -123,9 +123,7 @@ def test_colours_of_cells_are_those_of_a_run(tmp_path, pages, name):
         ready(browser)
         browser.ask("set_playing(false)")
         browser.wait_for("asked === null && element('frame').textContent === 'paused'")
-        browser.ask(
-            "(() => { hand = pull(weights_at([0.9, 0.9, 0.9]), [run.radius, 0, 0]); ask({ run: now.frame + 20 * h, budget: 1e9, hand }); })()"
-        )
+        browser.ask("hand = pull(weights_at([0.9, 0.9, 0.9]), [run.radius, 0, 0]), ask({ run: now.frame + 20 * h, budget: 1e9, hand })")
         browser.wait_for("asked === null && now.pull")
         shares = [browser.ask(f"[...source.cells(run.cells[{n}])]") for n in range(2)]
         cells = browser.ask("run.cells")

@@ -9,7 +9,7 @@ function begin_panel() {
   element("panel").firstElementChild.onkeydown = e => { if (e.key === " ") e.stopPropagation(); };
   const acts = {
     step: () => step_frames(1), save: () => ask({ save: true }), restore: () => ask({ restore: true }), record: () => now.frame > 0 ? ask({ recording: true }) : tell("Nothing has been done yet"),
-    again() { failed = false; let_go(); ask({ again: true }); }, sideways: () => toggle("sideways"),
+    again() { let_go(); ask({ again: parameters_now() }); }, sideways: () => toggle("sideways"),
   };
   for (const [name, act] of Object.entries(acts)) element(name).onclick = act;
   Object.assign(KEYS, { s: acts.save, b: () => element("restore").click(), a: acts.again, n: acts.sideways, w: acts.record, Escape: let_go });
@@ -54,12 +54,15 @@ function make_slider(slider) {
   slider.show(slider.start);
   element("sliders").append(label);
 }
-function send_parameters() {
+function parameters_now() {
   const values = live.open.parameters.map(each => each.start);
   for (const { now: v, start, parameters, factors } of sliders)
     if (v !== start) parameters.forEach((n, i) => { values[n] = v * factors[i]; });
+  return values;
+}
+function send_parameters() {
   for (let i = waiting_messages.length - 1; i >= 0; i--) if (waiting_messages[i].set) waiting_messages.splice(i, 1);
-  ask({ set: values });
+  ask({ set: parameters_now() });
 }
 function set_sliders(values) {
   for (const { show: put, parameters, factors } of sliders) {

@@ -54,7 +54,7 @@ const source = {
     if (!asked && owed >= h) ask({ run: now.frame + owed, budget: 14, hand });
   },
   step(count) {
-    if (count > 0) ask({ run: now.frame + h, budget: 0, hand });
+    if (count > 0) ask({ one_step: true });
     else tell("Time goes forward only: save here, and restore takes you back");
   },
 };
@@ -80,8 +80,8 @@ function ask(message) {
   if (failed && !message.again) return;
   if (asked) { if (!("run" in message)) waiting_messages.push(message); return; }
   if (message.again) failed = false;
-  asked = message;
-  worker.postMessage(message, message.wasm ? [message.wasm] : []);
+  asked = message.one_step ? { run: now.frame + h, budget: 0, hand } : message;
+  worker.postMessage(asked, message.wasm ? [message.wasm] : []);
 }
 function hear({ data }) {
   if (data.told) return tell(data.told);
@@ -99,7 +99,7 @@ function hear({ data }) {
   if (data.recording) keep_recording(data.recording);
   if (waiting_messages.length) ask(waiting_messages.shift());
 }
-function take_frame(frame, { run: until, again, restore }) {
+function take_frame(frame, { run: until }) {
   if (frame.frame < now.frame) for (const row of run.rows) row.trace = (row.trace || []).filter(([t]) => t < frame.frame);
   if (until !== undefined) { owed = frame.frame < until - 1.5 * h ? 0 : Math.max(0, owed - (frame.frame - now.frame)); measure_pace(frame.frame - now.frame); }
   else owed = 0;

@@ -5,7 +5,8 @@
 //                               perhaps refused: text        pin, or { weights, target, stiffness, damping, most }: the object, in world places
 //   { set: values }             a frame                      the tunable parameters, all
 //   { save } { restore }        { saved: t } a frame, values
-//   { again } { recording }     a frame { recording: csv }
+//   { again: values }           a frame                      from the start, with these parameters
+//   { recording }               { recording: csv }
 // A frame is { frame: t, points, outputs, parts, pull, at }. Beside answers: { told: text }; in place of one: { failed: text }.
 const DISCARD = 2, ERROR = 3;                            // of FMI: a step that is refused; a component that has to be reset
 
@@ -175,7 +176,7 @@ const ANSWERS = {
   set({ set }) { live.set(set); return live.frame(); },
   save: () => live.save(),
   restore: () => ({ ...live.restore(), ...live.frame() }),
-  again() { live.again(); return live.frame(); },
+  again({ again }) { live.wanted = [...again]; live.again(); return live.frame(); },
   recording: () => ({ recording: live.recording() }),
 };
 let last_words = "";
