@@ -151,16 +151,16 @@ class Described:
         for whole, places in groups.items():
             starts, family = [self._start[self._tunable[n]] for n in places], self._family[self._tunable[places[0]]]
             start, most = max(map(abs, starts)), family.get("max")
-            bounded = whole == "gravity" or start == 0 or most is not None
+            bounded, falls = whole == "gravity" or start == 0 or most is not None, whole == "gravity" and start == 0
             sliders.append({
                 "label": " ".join(whole.split(".")[-2:]).replace("_", " "),
                 "unit": "" if family["unit"] == "1" else family["unit"],
                 "start": start,
                 "low": 0.0 if bounded else start / 10,
-                "high": (most or 2 * start or 1.0) if bounded else start * 10,
+                "high": (2 * STANDARD_GRAVITY if falls else most or 2 * start or 1.0) if bounded else start * 10,
                 "logarithmic": not bounded,
                 "parameters": places,
-                "factors": [each / start if start else 1.0 for each in starts],
+                "factors": [0.0, 0.0, -1.0] if falls else [each / start if start else 1.0 for each in starts],
             })  # fmt: skip
         return sorted(sliders, key=lambda slider: slider["label"].endswith(" friction"))  # those of the body first
 

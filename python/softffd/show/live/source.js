@@ -39,7 +39,7 @@ const source = {
     for (const { parts } of run.rows) parts.cursor.remove();
     element("hint").textContent = "drag a plate, a solid, a pin or the object: move it · beside: turn · wheel: zoom · right drag: move · space: play";
     begin_panel();
-    load();
+    if (gl) load();
   },
   switched() { pace.clock = 0; shown = null; },          // between playing and paused
   follow() {
