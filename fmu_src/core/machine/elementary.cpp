@@ -33,7 +33,7 @@ Twofold step(const Twofold& x, const Twofold& t, double n) {
 }
 
 constexpr Twofold half_pi{1.5707963267948966, 6.123233995736766e-17};
-constexpr double third = -1.4973849048591833e-33;  // what is left of it
+constexpr double half_pi_rest = -1.4973849048591833e-33;
 
 /// cos d (odd = 0) and sin d / d (odd = 1), |d| <= pi / 4.
 Twofold even_series(const Twofold& d, int odd) {
@@ -54,15 +54,15 @@ double exp_minus(double z) {
 
 double cos_to_pi(double angle) {
   Twofold beside = sum(half_pi.high - angle, half_pi.low);  // the difference is exact
-  beside.low += third;
+  beside.low += half_pi_rest;
   if (angle < 0.5 * half_pi.high) return even_series({angle}, 0).high;
   if (angle > 1.5 * half_pi.high) return -even_series(sum(2 * half_pi.high - angle, 2 * half_pi.low), 0).high;
   return times(beside, even_series(beside, 1)).high;
 }
 
 double hypotenuse(double a, double b) {
+  if (a == 0 || b == 0 || !std::isfinite(a) || !std::isfinite(b)) return std::hypot(a, b);  // one of them, or no finite number
   const double large = std::max(std::abs(a), std::abs(b)), small = std::min(std::abs(a), std::abs(b));
-  if (!(small > 0) || !std::isfinite(large)) return std::hypot(a, b);  // exact, or no number
   const int exponent = std::ilogb(large);
   const Twofold x{std::scalbn(large, -exponent)}, y{std::scalbn(small, -exponent)}, xx = times(x, x), yy = times(y, y);
   const Twofold squares = sum(xx.high, yy.high);
