@@ -14,6 +14,7 @@
     python3 python/run.py cross-check DIR     the files of the FMI Cross-Check
     python3 python/run.py docs                this documentation as a site, in build/docs/site
     python3 python/run.py release             a wheel with the libraries of all platforms (some ten minutes)
+    python3 python/run.py wasm                the library for web pages, which `softffd live` needs (some minutes)
     python3 python/run.py build SCENE ...     any other command of softffd
 
 Makes .venv, builds the C++ library into it (with the machine's compiler, else with the one in the package `ziglang`), and hands over.
@@ -29,7 +30,7 @@ import sys
 import time
 from pathlib import Path
 
-from release import build_release
+from release import WASM, build_release, build_wasm, installed_libraries
 
 ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".venv"
@@ -91,6 +92,11 @@ def make_venv():
         stop("this Python cannot make virtual environments. On Debian and Ubuntu: sudo apt-get install -y python3-venv")
     print("run.py: making .venv", flush=True)
     venv.create(VENV, with_pip=True, clear=VENV.exists())
+
+
+def forget_wasm():
+    """What `run.py wasm` has built is of the sources from before."""
+    shutil.rmtree(installed_libraries(PYTHON) / WASM, ignore_errors=True)
 
 
 def compiler_environment():
@@ -155,6 +161,7 @@ def set_up():
         return
     STAMP.unlink(missing_ok=True)  # what is interrupted from here on begins anew
     make_venv()
+    forget_wasm()
     print("run.py: building and installing into .venv (some minutes, once)", flush=True)
     building, others = requirements()
     step("1 of 3: packages that building needs")
@@ -172,12 +179,12 @@ def set_up():
     STAMP.write_text(print_once)
 
 
-def add_comparisons():
-    """What the program is compared with, for the numpy that is there; what cannot be had is left out of the table."""
+def add_extra(extra, without):
+    """The packages of an extra, for the numpy that is there; of one that cannot be had it is said what is missing."""
     there = subprocess.check_output([PYTHON, "-c", "import numpy; print('numpy==' + numpy.__version__)"], text=True).strip()
-    for name in settings("project")["optional-dependencies"]["comparisons"]:
+    for name in settings("project")["optional-dependencies"][extra]:
         if subprocess.call(pip_command("install", name, there)) != 0:
-            step(f"no {name} for this Python and {there}, see above: its rows are missing")
+            step(f"no {name} for this Python and {there}, see above: {without}")
 
 
 def main():
@@ -188,6 +195,8 @@ def main():
     set_up()
     if arguments[0] == "release":
         return build_release(PYTHON)
+    if arguments[0] == "wasm":
+        return build_wasm(PYTHON)
     if arguments[0] == "docs":
         pip("install", *settings("project")["optional-dependencies"]["docs"])
         return subprocess.call([PYTHON, ROOT / "docs" / "site" / "make_site.py"])
@@ -195,11 +204,13 @@ def main():
         options = ["-n", "auto", "--dist", "worksteal", *(["-m", "lint"] if arguments[0] == "lint" else [])]
         if "--full" not in arguments:  # a test that hangs ends its process with a stack trace, and fails
             options += ["-o", f"faulthandler_timeout={HANGS}", "-o", "faulthandler_exit_on_timeout=true"]
+        else:
+            add_extra("readers", "its tests are skipped")
         env = compiler_environment()
         env.pop("PYTHONDONTWRITEBYTECODE", None)  # else each process that a test starts compiles the package anew
         return subprocess.call([PYTHON, "-m", "pytest", *options, *arguments[1:]], cwd=ROOT, env=env)
     if arguments[0] == "bench":
-        add_comparisons()
+        add_extra("comparisons", "its rows are missing")
         return subprocess.call([PYTHON, ROOT / "benchmarks" / "bench.py", *arguments[1:]])
     command = [str(PYTHON), "-m", "validation" if arguments[0] in TOOLS else "softffd", *arguments]
     if os.name == "posix":  # in this process, so that signals reach it

@@ -10,6 +10,7 @@ ROOT = Path(__file__).resolve().parents[1]
 CPP, PYTHON = ROOT / "fmu_src", ROOT / "python"
 
 CPP_ROOMS = [
+    *("open", "exceptions", "sse2"),  # wasm
     *("calls", "instance", "variables", "life_cycle", "messages", "resource"),  # fmi
     *("estimate", "soft_body", "definition", "stepping", "impacts", "kit", "watch", "flight", "methods", "contact", "matrix"),  # core
     *("embedding", "body", "forces", "model", "machine"),
@@ -18,12 +19,12 @@ MADE = ("variable_table.hpp", "fmi2FunctionTypes.h", "fmi2Functions.h", "fmi2Typ
 """Belong to no room; the core has no way to them on its include path, nor to the rooms of fmi."""
 
 PYTHON_ROOMS = [
-    *("validation", "cli", "accuracy", "show", "drivers", "run", "fmu", "scene", "embedding", "mesh"),
+    *("validation", "cli", "accuracy", "export", "show", "drivers", "run", "fmu", "scene", "embedding", "mesh"),
     *("names", "lattice", "obstacles", "rotation", "files", "installed", "spelling", "errors"),
 ]
 """The shipped scenes are data, and the package's own __init__ knows everybody."""
 
-ASKED = (("softffd.run.result", "softffd.run.sweep_table"), "softffd.show.")
+ASKED = (("softffd.run.result", "softffd.run.sweep_table"), ("softffd.show.", "softffd.export."))
 """The places that look up: pictures and page of results and sweeps are drawn when they are asked for, by the room that stands on them."""
 
 

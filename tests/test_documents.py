@@ -75,7 +75,7 @@ def scripts() -> list:
 @pytest.fixture(scope="module")
 def reader(tmp_path_factory) -> Path:
     """Where a reader would work: the examples, the README's scene under the name that it gives, its FMU, the drivers, their coupling, and a
-    mesh."""
+    mesh, and a run that was kept."""
     folder = tmp_path_factory.mktemp("reader")
     shutil.copytree(ROOT / "examples", folder / "examples")
     for ending in ("toml", "csv"):
@@ -83,7 +83,8 @@ def reader(tmp_path_factory) -> Path:
     save_mesh(ball(), folder / "cow.obj")
     coupling = next(text for kind, text in blocks(DOCUMENTS[0]) if kind == "sh" and "softffd ssp" in text)
     with contextlib.chdir(folder):
-        for line in ["softffd build box.toml", *lines(coupling)]:
+        kept = "softffd run press --stop-time 0.1 --no-pictures -o softffd-press"
+        for line in ["softffd build box.toml", kept, *lines(coupling)]:
             assert main(shlex.split(line)[1:]) == 0, line
     return folder
 
@@ -128,7 +129,7 @@ def test_command_runs(line, folder, monkeypatch):
     assert (program, words.pop(0)) == ("python3", "python/run.py")
     if words[0] == "bench":
         run_apart([sys.executable, ROOT / "benchmarks" / "bench.py", "--quick", *words[1:]], folder)
-    elif words[0] in ("release", "docs"):
+    elif words[0] in ("release", "wasm", "docs"):
         run_apart([sys.executable, ROOT / "python" / "run.py", words[0]], folder)
     elif words[0] in TOOLS:  # run.py hands over to the same program once it has set up
         printed_by(exit_status, lambda: run_tool(words))

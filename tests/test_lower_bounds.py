@@ -19,7 +19,7 @@ from softffd.installed import data_folder
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 EXTRAS = PROJECT["optional-dependencies"]
-TOOLS = ("docs", "test", "comparisons")
+TOOLS = ("docs", "test", "comparisons", "readers")
 """Extras that no user of the package needs."""
 USED = [Requirement(line) for line in (*PROJECT["dependencies"], *(line for name in EXTRAS if name not in TOOLS for line in EXTRAS[name]))]
 

@@ -50,6 +50,7 @@ def half(script, monkeypatch, tmp_path):
     monkeypatch.setattr(script, "STAMP", stamp)
     monkeypatch.setattr(script, "missing", lambda: script.lost)
     monkeypatch.setattr(script, "make_venv", lambda: None)
+    monkeypatch.setattr(script, "forget_wasm", lambda: None)
     monkeypatch.setattr(script, "pip_command", lambda *_words: [sys.executable, "-c", "pass"])
     monkeypatch.setattr(script, "pip", lambda *words, **_: script.installed.append(words))
     monkeypatch.setattr(script, "pip_compile", lambda *words, **_: script.installed.append(words))
@@ -71,6 +72,15 @@ def test_a_set_up_that_was_interrupted_is_done_again(half, monkeypatch):
     half.installed.clear()
     half.set_up()
     assert half.installed and half.STAMP.exists()
+
+
+def test_what_is_of_older_sources_goes(script, monkeypatch, tmp_path):
+    old = tmp_path / "wasm32-wasi" / "softffd.wasm"
+    old.parent.mkdir()
+    old.write_bytes(b"old")
+    monkeypatch.setattr(script, "installed_libraries", lambda _python: tmp_path)
+    script.forget_wasm()
+    assert not old.exists() and tmp_path.is_dir()
 
 
 def test_what_pip_takes_for_installed_is_named(half):

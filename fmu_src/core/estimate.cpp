@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "contact/implicit/implicit_contact.hpp"
+#include "machine/elementary.hpp"
 #include "methods/ros34pw2.hpp"
 #include "methods/traits.hpp"
 #include "model/arithmetic.hpp"
@@ -25,7 +26,7 @@ bool of_impacts(const SoftBody& body) {
 
 /// Of a vibration's amplitude, what a step of so many radians keeps.
 double kept_by(Method method, double angle) {
-  if (method == Method::backward_euler) return 1 / std::hypot(1, angle);
+  if (method == Method::backward_euler) return 1 / hypotenuse(1, angle);
   return method == Method::sdirk2 ? ImplicitContact::kept(angle) : Ros34pw2::kept(angle);
 }
 

@@ -2,6 +2,7 @@
 
 import os
 import secrets
+import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -28,6 +29,22 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
         partial.unlink(missing_ok=True)
 
 
+@contextmanager
+def appearing_in(folder: Path) -> Iterator[Path]:
+    """A new folder inside `folder`, for a block that writes files into it: what is there when the block ends moves up into `folder`, files
+    and folders each in place of the one of its name; nothing does if the block fails. Raises OSError as `replacing` does."""
+    place = folder / f".softffd-{secrets.token_hex(8)}.partial"
+    place.mkdir()
+    try:
+        yield place
+        for made in sorted(place.iterdir(), key=lambda each: each.is_file()):  # folders first: what lists their files comes after them
+            if made.is_dir() and (folder / made.name).is_dir():
+                shutil.rmtree(folder / made.name)
+            os.replace(made, folder / made.name)
+    finally:
+        shutil.rmtree(place, ignore_errors=True)
+
+
 def write_bytes(path: str | Path, content: bytes) -> None:
     """Writes a whole file."""
     with replacing(path) as stream:
@@ -37,6 +54,11 @@ def write_bytes(path: str | Path, content: bytes) -> None:
 def write_text(path: str | Path, text: str) -> None:
     """Writes a whole file in UTF-8; line ends stay as they are."""
     write_bytes(path, text.encode())
+
+
+def size_of(path: Path) -> int:
+    """Bytes of a file, or of all files in a folder."""
+    return sum(each.stat().st_size for each in path.rglob("*")) if path.is_dir() else path.stat().st_size
 
 
 def require_new(paths: Iterable[Path], another: str) -> None:

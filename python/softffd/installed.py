@@ -14,6 +14,7 @@ from typing import Any
 from softffd.errors import SoftffdError
 
 LIBRARY_NAME = {"linux64": "softffd.so", "aarch64-linux": "softffd.so", "win64": "softffd.dll", "darwin64": "softffd.dylib"}
+WASM = "wasm32-wasi"  # the platform of web pages, which no FMU contains
 
 
 def data_folder() -> Path:
@@ -67,12 +68,25 @@ def libraries(platforms: Iterable[str] | None = None) -> dict[str, Path]:
     }
     wanted = list(platforms or [])
     for platform in wanted:
+        if platform == WASM:
+            raise SoftffdError(f"--platform {WASM}: that library is for web pages, no FMU contains it; wanted one of {', '.join(found)}")
         if platform not in found:
             raise SoftffdError(
                 f"--platform {platform}: this installation has no library for it; it has {', '.join(found)}. "
                 "Build softffd on that platform, or install a wheel with all platforms: python3 python/run.py release makes one."
             )
     return {name: path for name, path in found.items() if not wanted or name in wanted}
+
+
+def wasm_library() -> Path:
+    """The library for web pages; SoftffdError names what makes one."""
+    file = data_folder() / "binaries" / WASM / "softffd.wasm"
+    if not file.is_file():
+        raise SoftffdError(
+            "this installation has no library for web pages (WebAssembly). In a checkout, python3 python/run.py wasm builds it in some "
+            "minutes; a wheel that python3 python/run.py release makes has it."
+        )
+    return file
 
 
 def least_glibc(library: Path) -> str | None:

@@ -17,6 +17,20 @@ def quaternion(turn: np.ndarray) -> np.ndarray:
     return np.array([np.cos(angle / 2), *(np.sin(angle / 2) / angle * turn)]) if angle > 0 else np.array([1.0, 0.0, 0.0, 0.0])
 
 
+def quaternions(turns: np.ndarray) -> np.ndarray:
+    """The unit quaternions (T, 4) (w, x, y, z) of rotation matrices (T, 3, 3), each of the sign that is nearer to the one before."""
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = turns.reshape(-1, 9).T
+    rows = [
+        [xx + yy + zz, zy - yz, xz - zx, yx - xy],
+        [zy - yz, xx - yy - zz, xy + yx, xz + zx],
+        [xz - zx, xy + yx, yy - xx - zz, yz + zy],
+        [yx - xy, xz + zx, yz + zy, zz - xx - yy],
+    ]
+    found = np.linalg.eigh(np.array(rows).transpose(2, 0, 1))[1][..., -1]  # q q^T, but for the identity (Bar-Itzhack 2000)
+    signs = np.where((found[1:] * found[:-1]).sum(axis=1) < 0, -1.0, 1.0)
+    return found * np.cumprod(np.append(np.where(found[0, 0] < 0, -1.0, 1.0), signs))[:, None]
+
+
 def nearer(orientation: np.ndarray, to: np.ndarray) -> np.ndarray:
     """Of the two quaternions (..., 4) that mean an orientation, q and -q, the one nearer to another quaternion."""
     return np.where((orientation * to).sum(axis=-1, keepdims=True) < 0, -orientation, orientation)

@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from softffd.files import replacing, write_bytes, write_text
+from softffd.files import appearing_in, replacing, write_bytes, write_text
 
 
 def test_what_is_written_replaces_what_was_there(tmp_path):
@@ -26,6 +26,27 @@ def test_an_interrupted_write_leaves_the_old_file_and_nothing_beside_it(tmp_path
         stream.write(b"half of the n")
         raise fault
     assert path.read_text() == "old" and os.listdir(tmp_path) == ["result.npz"]
+
+
+def test_files_of_a_block_appear_together_in_place_of_those_of_their_names(tmp_path):
+    (tmp_path / "series").mkdir()
+    (tmp_path / "series" / "old.vtu").write_text("old")
+    (tmp_path / "run.pvd").write_text("old")
+    with appearing_in(tmp_path) as place:
+        (place / "series").mkdir()
+        (place / "series" / "new.vtu").write_text("new")
+        (place / "run.pvd").write_text("new")
+        assert (tmp_path / "run.pvd").read_text() == "old" and os.listdir(tmp_path / "series") == ["old.vtu"]
+    assert (tmp_path / "run.pvd").read_text() == "new" and os.listdir(tmp_path / "series") == ["new.vtu"]
+    assert sorted(os.listdir(tmp_path)) == ["run.pvd", "series"]
+
+
+@pytest.mark.parametrize("fault", [ValueError, KeyboardInterrupt])
+def test_of_a_block_that_fails_no_file_appears(tmp_path, fault):
+    with pytest.raises(fault), appearing_in(tmp_path) as place:
+        (place / "run.pvd").write_text("half")
+        raise fault
+    assert os.listdir(tmp_path) == []
 
 
 def test_while_it_is_written_the_old_file_is_there(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from softffd.rotation import between_directions, between_orientations, quaternion, turned
+from softffd.rotation import between_directions, between_orientations, quaternion, quaternions, turned
 
 X, Y, Z = np.eye(3)
 
@@ -18,6 +18,13 @@ def test_each_row_has_its_own_turn_and_no_turn_changes_nothing():
     expected = [vectors[0], vectors[1] * [-1, -1, 1], vectors[2]]
     assert moved == pytest.approx(np.array(expected), abs=1e-14)
     np.testing.assert_array_equal(moved[0], vectors[0])
+
+
+def test_quaternions_of_matrices_are_those_of_the_turns_without_a_change_of_sign():
+    turns = np.linspace(0.0, 7.0, 30)[:, None] * np.array([0.48, -0.6, 0.64])  # over half a turn and a whole one
+    matrices = np.stack([turned(np.broadcast_to(axis, turns.shape), turns) for axis in np.eye(3)], axis=-1)
+    found = quaternions(matrices)
+    assert found == pytest.approx(np.stack([quaternion(turn) for turn in turns]), abs=1e-12)
 
 
 def test_the_turn_between_two_directions_takes_one_to_the_other():

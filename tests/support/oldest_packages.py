@@ -34,6 +34,12 @@ def require_tables(folder: Path) -> None:
     assert "<iframe" in loaded._repr_html_()
 
 
+def require_exports(folder: Path) -> None:
+    result = softffd.simulate("press", stop_time=0.05)
+    for name in ("vtkhdf", "vtu", "glb", "usd", "pc2", "ply", "gif"):
+        assert all(file.exists() for file in result.export(folder / name, to=name, frames=3))
+
+
 def require_sweeps(folder: Path) -> None:
     from distributed import Client, LocalCluster
 
@@ -53,5 +59,6 @@ if __name__ == "__main__":
     assert main(["demo", "-o", str(place / "demo")]) == 0
     require_every_kind(place)
     require_tables(place)
+    require_exports(place)
     require_sweeps(place)
     assert main(["drivers", "-o", str(place / "drivers")]) == 0

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "machine/elementary.hpp"
+
 namespace softffd {
 
 namespace {
@@ -13,7 +15,7 @@ namespace {
 constexpr int most_products = 1000;
 
 double psi(double z) {
-  if (z > 0.5) return (std::exp(-z) - 1 + z) / (z * z);
+  if (z > 0.5) return ((z < 40 ? exp_minus(z) : 0) - 1 + z) / (z * z);
   double term = 0.5, sum = term;
   for (int k = 3; k < 16; ++k) sum += term *= -z / k;
   return sum;
@@ -24,7 +26,7 @@ void interpolate(int degree, double reach, std::vector<double>& shares) {
   shares.assign(degree + 1, degree == 0 ? psi(0) : 0.0);
   if (degree == 0) return;
   for (int k = 0; k <= degree; ++k) {
-    const double x = std::cos(std::numbers::pi * k / degree);
+    const double x = cos_to_pi(std::numbers::pi * k / degree);
     const double value = psi(0.5 * reach * (1 - x)) * (k == 0 || k == degree ? 1.0 : 2.0) / degree;
     double before = x, now = 1;  // T_-1, T_0
     for (int j = 0; j <= degree; ++j) {

@@ -24,12 +24,12 @@ struct LineShape {
 
 /// What is the same for all patches of a body: derivatives along the axes, and the weights of the quadrature.
 struct PatchShape {
-  double along[4][4];      ///< d/dx of a row, [s][i]: of node i by the number at node s [1/m]
-  double back[4][4];       ///< the same transposed
-  double across[2][4][4];  ///< d/dy and d/dz, [i][s]
+  double along[4][4]{};      ///< d/dx of a row, [s][i]: of node i by the number at node s [1/m]
+  double back[4][4]{};       ///< the same transposed
+  double across[2][4][4]{};  ///< d/dy and d/dz, [i][s]
   LineShape y, z;
-  double weight[16][4];    ///< w, row j + 4 k [m3]
-  double projector[4][4];  ///< Pi along x: [s][i]
+  double weight[16][4]{};    ///< w, row j + 4 k [m3]
+  double projector[4][4]{};  ///< Pi along x: [s][i]
 };
 
 struct SolidBody {

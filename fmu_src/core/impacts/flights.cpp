@@ -5,6 +5,7 @@
 
 #include "contact/tolerances.hpp"
 #include "kit/thresholds.hpp"
+#include "machine/elementary.hpp"
 #include "model/arithmetic.hpp"
 
 namespace softffd {
@@ -78,7 +79,7 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
   }
   if (!touches) return StepStatus::ok;
   const double beside = context.model.body.samples ? context.run.course.contact_error : 0;
-  book_unknown_phase(context, motion, energy, mean, std::hypot(stiff.total_error(), beside));
+  book_unknown_phase(context, motion, energy, mean, hypotenuse(stiff.total_error(), beside));
   stiff.begin(Phase::impact);
   stiff.since = motion.time;
   return StepStatus::ok;

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "machine/elementary.hpp"
 #include "model/rotation.hpp"
 
 namespace softffd {
@@ -42,7 +43,7 @@ struct PlaneMotion {
   bool box() const { return sides[0] > 0; }
   bool solid() const { return radius > 0 || box(); }
   /// Of a solid: its furthest point from `point` [m].
-  double size() const { return box() ? 0.5 * sides.norm() : std::hypot(radius, 0.5 * length); }
+  double size() const { return box() ? 0.5 * sides.norm() : hypotenuse(radius, 0.5 * length); }
 };
 
 /// A solid at one moment. A box has no normal of its own: it is that of an end across the third edge.

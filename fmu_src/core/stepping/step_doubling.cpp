@@ -7,6 +7,7 @@
 #include "kit/outlook.hpp"
 #include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
+#include "machine/elementary.hpp"
 #include "model/arithmetic.hpp"
 
 namespace softffd {
@@ -39,7 +40,7 @@ namespace use = thresholds;
 void book_error(const StepContext& context, double left_over) {
   Course& course = context.run.course;
   double& sum = course.contact_error;
-  sum = context.model.body.samples ? sum + left_over : std::hypot(sum, left_over);  // rolling errs the same way again and again
+  sum = context.model.body.samples ? sum + left_over : hypotenuse(sum, left_over);  // rolling errs the same way again and again
 }
 
 /// Whether the next stretches may be run once, after one that was run twice at the largest stable step with this error.

@@ -9,11 +9,14 @@ void check_asked(const Asked& asked) {
   if (!asked.token) throw CallError(std::string(asked.token_word) + ": wanted a text, got null");
 }
 
-SceneFile scene_in(const std::string& folder, const Asked& asked) {
-  const bool ended = folder.ends_with('/');
-  SceneFile scene = read_scene(folder + (ended ? "scene.txt" : "/scene.txt"));
+SceneFile required(SceneFile scene, const Asked& asked) {
   if (scene.guid != asked.token) throw CallError(std::string(asked.token_word) + ": wanted " + scene.guid + ", got " + asked.token);
   return scene;
+}
+
+SceneFile scene_in(const std::string& folder, const Asked& asked) {
+  const bool ended = folder.ends_with('/');
+  return required(read_scene(folder + (ended ? "scene.txt" : "/scene.txt")), asked);
 }
 
 }  // namespace softffd::fmi

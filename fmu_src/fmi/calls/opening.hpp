@@ -14,7 +14,9 @@ struct Asked {
   const char* token;
 };
 
-/// The scene in a resources folder [UTF-8], if it is that of the token. Throws CallError and SceneFileError.
+/// The scene, if it is that of the token. Throws CallError.
+SceneFile required(SceneFile scene, const Asked& asked);
+/// The same of the one in a resources folder [UTF-8]. Throws SceneFileError too.
 SceneFile scene_in(const std::string& folder, const Asked& asked);
 /// Throws CallError for an instance without a name and for a null token.
 void check_asked(const Asked& asked);

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from softffd.cli.options import parse, setting
 from softffd.errors import Interrupted, SoftffdError
-from softffd.files import require_new, require_writable
+from softffd.files import require_new, require_writable, size_of
 from softffd.run.progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -225,6 +225,40 @@ def _view(options: argparse.Namespace) -> None:
     webbrowser.open(page.resolve().as_uri())
 
 
+def _live(options: argparse.Namespace) -> None:
+    from softffd.scene.scene import load_scene
+    from softffd.show.live.page import write_live
+
+    page: Path = options.output
+    require_writable(page.parent)
+    if not options.overwrite:
+        require_new([page], "another name by -o X.html")
+    with ProgressLine("reading the scene") as progress:
+        write_live(load_scene(options.scene), page, stage=progress.stage, progress=progress)
+    print(f"{page}: {page.stat().st_size / 1e6:.2f} MB; it needs nothing but a browser")
+    if options.view:
+        import webbrowser
+
+        webbrowser.open(page.resolve().as_uri())
+
+
+def _export(options: argparse.Namespace) -> None:
+    from softffd.cli.keep import kept_result
+    from softffd.export.formats import FORMATS, export_result, format_of
+
+    name = format_of(options.output, options.to)
+    path = options.output or Path(options.what.resolve().stem if options.what.is_file() else options.what.resolve().name)
+    if not options.overwrite:
+        files = FORMATS[name].files(path)
+        require_new([next(file.iterdir(), file) if file.is_dir() else file for file in files], "another name by -o FILE")
+    asked = {"to": name, "tolerance": options.tolerance, "frames": options.frames}
+    with ProgressLine("reading the result") as progress:
+        result = kept_result(options.what)
+        progress.stage(f"exporting to {name}")
+        files = export_result(result, path, **asked, note=progress.note, say=lambda line: progress.say(f"  {line}"))
+    print("\n".join(f"{file}: {size_of(file) / 1024:,.0f} kB" for file in files))
+
+
 def _info(options: argparse.Namespace) -> None:
     from softffd.cli.info import told_info
     from softffd.fmu.component import Component
@@ -245,5 +279,6 @@ def _schema(_options: argparse.Namespace) -> None:
 
 COMMANDS: dict[str, Callable[[argparse.Namespace], None]] = {
     "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _sweep, "accuracy": _accuracy,
-    "drivers": _drivers, "scenes": _scenes, "view": _view, "info": _info, "new": _new, "schema": _schema,
+    "drivers": _drivers, "scenes": _scenes, "view": _view, "live": _live, "export": _export, "info": _info, "new": _new,
+    "schema": _schema,
 }  # fmt: skip

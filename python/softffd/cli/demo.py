@@ -6,10 +6,22 @@ from pathlib import Path
 
 from softffd.cli.keep import keep_run, run_scene_or_fmu
 from softffd.cli.told import told_after
+from softffd.errors import SoftffdError
 from softffd.fmu.package import package_fmu
+from softffd.installed import wasm_library
 from softffd.run.progress import ProgressLine
 from softffd.run.simulate import simulate
 from softffd.scene.scene import load_scene
+from softffd.show.live.page import write_live
+
+
+def _live_page(path: Path, progress: ProgressLine) -> Path | None:
+    """The live page of car_drop; None where this installation has no library for web pages."""
+    try:
+        wasm_library()
+    except SoftffdError:
+        return None
+    return write_live("car_drop", path, stage=progress.stage, progress=progress)
 
 
 def run_demo(folder: Path) -> None:
@@ -27,7 +39,10 @@ def run_demo(folder: Path) -> None:
         progress.stage("drawing bump.png, writing bump.html")
         struck.plot(folder / "bump.png")
         struck.view(folder / "bump.html", browser=False)
+        page = _live_page(folder / "live.html", progress)
     print(f"  picture: {folder / 'picture.png'}")
     print(f"  to play and turn it in a browser: {folder / 'view.html'}")
+    if page:
+        print(f"  to crush it by hand in a browser: {page}")
     print(f"  {struck.title}: {folder / 'bump.png'}, {folder / 'bump.html'}")
     print(f"  the last shape as a mesh: {folder / 'deformed.obj'}; numbers: {folder / 'result.csv'}, {folder / 'summary.json'}")

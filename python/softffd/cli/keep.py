@@ -19,8 +19,10 @@ from softffd.run.progress import Note, silent
 from softffd.run.result import Result
 from softffd.run.result_file import KEPT
 from softffd.run.simulate import simulate
+from softffd.run.tables import read_csv
 from softffd.scene.new import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
+from softffd.show.live.scene import is_recording, live_scene
 from softffd.show.touch import narrow_contact
 
 RESULTS = (KEPT, "result.csv", "summary.json")  # what every run is kept in
@@ -50,6 +52,10 @@ def run_scene_or_fmu(
     scene_or_fmu = _mesh_scene(Path(what), error, given) if is_mesh else _opened(what, error)
     if inputs is None and is_mesh:
         inputs = {}
+    if isinstance(inputs, Path) and isinstance(scene_or_fmu, Scene) and is_recording(inputs):
+        scene_or_fmu = live_scene(scene_or_fmu)
+        asked = asked | {"open_end": True, "stop_time": asked.get("stop_time") or float(read_csv(inputs)["time"][-1])}
+        print(f"{inputs}: recorded by softffd live; the scene runs as it did there, with inputs of its own", flush=True)
     try:
         return _with_findings(simulate(scene_or_fmu, inputs=inputs, **asked))
     except Interrupted as interrupt:
@@ -137,9 +143,19 @@ def free_folder(folder: Path) -> Path:
 
 def page_of(kept: Path) -> Path:
     """The interactive page of a folder that a run is kept in, or of one file: the one that is there, else written from the result."""
-    results, page = (kept / KEPT, kept / "view.html") if kept.is_dir() else (kept, kept.with_suffix(".html"))
-    if not results.is_file():
-        raise SoftffdError(f"{kept}: wanted a folder that softffd run wrote, or a file of Result.save, got no result there")
+    results, page = _results_of(kept), kept / "view.html" if kept.is_dir() else kept.with_suffix(".html")
     if page.is_file() and page.stat().st_mtime >= results.stat().st_mtime:
         return page
     return Result.load(results).view(page, browser=False)
+
+
+def kept_result(kept: Path) -> Result:
+    """The result of a folder that a run is kept in, or of one file."""
+    return Result.load(_results_of(kept))
+
+
+def _results_of(kept: Path) -> Path:
+    results = kept / KEPT if kept.is_dir() else kept
+    if not results.is_file():
+        raise SoftffdError(f"{kept}: wanted a folder that softffd run wrote, or a file of Result.save, got no result there")
+    return results

@@ -179,6 +179,25 @@ def _others(add: Add) -> None:
     view = add("view", "Open the interactive page of a run that was kept.", "softffd view softffd-press")
     view.add_argument("what", type=Path, metavar="DIR|X.npz", help="Folder of softffd run, or file of Result.save.")
 
+    about = "Write the page in which a scene is simulated in a browser, where obstacles, pins and the object are moved by hand."
+    live = add("live", about, "softffd live press")
+    live.add_argument("scene", metavar="SCENE", help=SCENE)
+    page = "File to write; default: live.html in this folder."
+    live.add_argument("-o", "--output", type=Path, default=Path("live.html"), metavar="X.html", help=page)
+    _add_overwrite(live, "a file that exists")
+    live.add_argument("--view", action="store_true", help="Open the page when it is written.")
+
+    about = "Write a run that was kept for another program: ParaView, Blender, a browser, slides."
+    export = add("export", about, "softffd export softffd-press --to glb")
+    export.add_argument("what", type=Path, metavar="DIR|X.npz", help="Folder of softffd run, or file of Result.save.")
+    formats = "Format: vtkhdf, vtu, glb, usd, pc2, ply, gif or mp4; default: by the ending of --output."
+    export.add_argument("--to", metavar="FORMAT", help=formats)
+    export.add_argument("-o", "--output", type=Path, metavar="FILE", help="File to write; default: the run's name in this folder.")
+    share = "Largest error of a vertex in glb, as a fraction of the largest side of the box; default: 0.001."
+    export.add_argument("--tolerance", type=_number, metavar="T", help=share)
+    export.add_argument("--frames", type=int, metavar="N", help="Number of rows to take, evenly chosen; default: all.")
+    _add_overwrite(export, "files that exist")
+
     about = "List the variables of a scene or an FMU with causality, unit and start value, and the frames of its pins."
     info = add("info", about, "softffd info press")
     info.add_argument("what", metavar="SCENE|X.fmu", help=SCENE_OR_FMU)

@@ -35,10 +35,11 @@ def told_body(component: Component, mass: float | None) -> str:
 def _driven(simulation: Simulation, inputs: Inputs) -> list[str]:
     there = [variable.name for variable in simulation.component.variables("input")]
     driven = {*inputs.names, *inputs.derived_names}
+    given = [*inputs.names, *inputs.tuned]
     lines = []
-    if inputs.names:
+    if given:
         follows = f"; {few(inputs.derived_names)} {_verb(inputs.derived_names, 'follow')} from that" if inputs.derived_names else ""
-        lines.append(f"{inputs.where}drives {few(inputs.names)}{follows}")
+        lines.append(f"{inputs.where}drives {few(given)}{follows}")
     if held := [name for name in there if name not in driven]:
         lines.append(f"nothing drives {few(held)}: {'they keep their start values' if len(held) > 1 else 'it keeps its start value'}")
     return lines

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -75,14 +75,21 @@ def write_glb(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
 
     with quiet_trimesh():
         scene = trimesh.Scene()
-        normals = _normals(mesh, vertices)
-        for name, faces in _parts(mesh.looks, len(mesh.faces)):
-            used, shades, corners = split_at_creases(vertices, mesh.faces[faces], normals[faces])
-            part = mesh.looks.with_faces(faces[:1]).with_vertices(used)
-            visual = _visual(part, None if mesh.uv is None else mesh.uv[used])
-            body = trimesh.Trimesh(vertices[used], corners, vertex_normals=shades, visual=visual, process=False)
+        for name, _, body in glb_bodies(mesh, vertices):
             scene.add_geometry(body, geom_name=name or None, node_name=name or None)
         write_bytes(path, cast(bytes, scene.export(file_type="glb", include_normals=True)))
+
+
+def glb_bodies(mesh: Mesh, vertices: np.ndarray) -> Iterator[tuple[str, np.ndarray, Any]]:
+    """Name, which vertex each of its own copies (W,), and trimesh's body of each part of one group and one material."""
+    import trimesh
+
+    normals = _normals(mesh, vertices)
+    for name, faces in _parts(mesh.looks, len(mesh.faces)):
+        used, shades, corners = split_at_creases(vertices, mesh.faces[faces], normals[faces])
+        part = mesh.looks.with_faces(faces[:1]).with_vertices(used)
+        visual = _visual(part, None if mesh.uv is None else mesh.uv[used])
+        yield name, used, trimesh.Trimesh(vertices[used], corners, vertex_normals=shades, visual=visual, process=False)
 
 
 def _normals(mesh: Mesh, vertices: np.ndarray) -> np.ndarray:

@@ -138,6 +138,10 @@ class Drive:
         if self.inputs.names:
             self.inputs.set(self.input_rows[row])
 
+    def retune(self, row: int) -> int:
+        """Hands over the tunable parameters that change in a row, and returns the next one in which some do; here they never change."""
+        return len(self._steps)
+
     def run(self, *, most: int | None = None) -> Iterator[int]:
         """Does all steps of an initialized simulation; yields how many are done, at multiples of `most` at the latest.
 
@@ -151,6 +155,7 @@ class Drive:
             while self.done < last:
                 until = self.done + 1 if self._single else min(last, self.done + self._together)
                 until = min(until, (self.done // most + 1) * most) if most else until
+                until = min(until, self.retune(self.done))
                 self.fill(max(1, self.done), until)
                 if self._single and self.done:
                     self.apply(self.done)

@@ -71,6 +71,8 @@ class Inputs:
     what begins there has the last one's values, what ends there the first one's. A callable gives values by name, the same names
     at every time; a dict gives constants. Both give numbers or vectors.
 
+    A table may have columns of tunable parameters too, whose last row's value holds.
+
     A plane or pin whose pose is given but whose velocity is not gets the velocity that takes it to its pose at the end of the
     communication step, where that velocity is an input; a jump there moves it without velocity.
 
@@ -86,8 +88,8 @@ class Inputs:
         self.is_function, self._steady = callable(source), source is None or isinstance(source, Mapping)
         self._held: set[str] = set()
         self._at, self.names = _course(source, self.where, start_time, self._held)
-        self._takes_bends = [(found := parse_name(name)) is not None and found.family in ("force", "load") for name in self.names]
-        self._orientations = _orientations(self.names)
+        self.tuned: dict[str, ScalarVariable] = {}
+        """Tunable parameters that a table gives, by its names; known from `driven` on"""
         now = self._at(start_time, False)
         self.derived_names = list(derived_velocities(now, now, 1.0))
         """Velocities that follow from given poses"""
@@ -97,26 +99,41 @@ class Inputs:
         there = set(map(structured, names))
         self.derived_names = [name for name in self.derived_names if structured(name) in there]
 
-    def driven(self, component: Component) -> list[ScalarVariable]:
+    def driven(self, component: Component, *, tunable: bool = False) -> list[ScalarVariable]:
         """The inputs of an FMU that are driven: in the order of `names`, and then of the velocities that follow from them, where it has
         these as inputs. From here on whole numbers have the value of the last row instead of what lies between rows. FmuError, which
-        tells the source, where it names what is no input."""
-        given = [self._input(component, name) for name in self.names]
+        tells the source, where it names what is no input. tunable: columns of tunable parameters are taken too, see `changes`."""
+        found = {name: self._input(component, name, tunable) for name in self.names}
+        self.tuned = {name: variable for name, variable in found.items() if variable.causality == "parameter"}
+        self.names = [name for name in self.names if name not in self.tuned]
         self.derive_only({variable.name for variable in component.variables("input")})
-        self._held.update(variable.name for variable in given if variable.kind != "Real")
-        return given + [component.variable(name) for name in self.derived_names]
+        self._held.update([*self.tuned, *(variable.name for variable in found.values() if variable.kind != "Real")])
+        return [found[name] for name in self.names] + [component.variable(name) for name in self.derived_names]
 
-    def _input(self, component: Component, name: str) -> ScalarVariable:
+    def _input(self, component: Component, name: str, tunable: bool) -> ScalarVariable:
         try:
             variable = component.variable(name)
         except FmuError as error:
             raise FmuError(f"{self.where}{error}") from None
+        if tunable and variable.variability == "tunable" and not (self._steady or self.is_function):
+            return variable
         if variable.causality != "input":
             hint = "; the scene names it in `inputs` of a plane or pin to make it one" if is_pose(name) else ""
             raise FmuError(f"{self.where}{name}: wanted an input of the FMU, got its {variable.causality} of that name{hint}")
         if variable.type == "String":
             raise FmuError(f"{self.where}{name}: wanted an input that is a number, got a String; start values set it")
         return variable
+
+    def changes(self, times: np.ndarray) -> dict[int, dict[str, float]]:
+        """What tunable parameters change to, by the row of communication points (T,) [s] and their names; in the first row where it is not
+        the start value. Between these rows they are left alone: setting one makes the component prepare the body anew."""
+        found: dict[int, dict[str, float]] = {}
+        now = self._at(times[:-1], False) if self.tuned else {}
+        for name, variable in self.tuned.items():
+            values = np.append(float(variable.start or 0.0), now[name])
+            for row in np.flatnonzero(values[1:] != values[:-1]).tolist():
+                found.setdefault(row, {})[variable.name] = float(values[row + 1])
+        return found
 
     def require_undriven(self, started: Iterable[str], driven: Container[str]) -> None:
         """FmuError where a start value has no effect, for this gives that variable from the first communication point on."""
@@ -140,12 +157,12 @@ class Inputs:
         if self.derived_names or self.is_function:
             return np.array([self.values(time, then) for time, then in pairwise(times)])
         now = self._at(times[:-1], False)
-        return np.stack([now[name] for name in self.names], axis=1)
+        return np.stack([now[name] for name in self.names], axis=1) if self.names else np.zeros((len(times) - 1, 0))
 
     def rates(self, time: float, then: float) -> np.ndarray:
         """Slopes from a communication point to the next, `then` > `time` [s], in the order of `names` [unit / s]."""
         begin, end = self._row(time, False), self._row(then, True)
-        for places in self._orientations:
+        for places in _orientations(self.names):
             end[places] = nearer(end[places], begin[places])
         return (end - begin) / (then - time)
 
@@ -156,7 +173,8 @@ class Inputs:
         step, mean = then - time, self.rates(time, then)
         begin, end = self._slope_at(time, step, ends=False), self._slope_at(then, step, ends=True)
         cubic = np.array([begin, 2 * (3 * mean - 2 * begin - end) / step, 6 * (begin + end - 2 * mean) / step**2])
-        return np.where(self._takes_bends, cubic, [mean, 0 * mean, 0 * mean])
+        takes_bends = [(found := parse_name(name)) is not None and found.family in ("force", "load") for name in self.names]
+        return np.where(takes_bends, cubic, [mean, 0 * mean, 0 * mean])
 
     def _row(self, time: float, ends: bool) -> np.ndarray:
         values = self._at(time, ends)

@@ -43,6 +43,7 @@ def simulate(
     start_time: float = 0.0,
     tolerance: float | None = None,
     method: str | None = None,
+    open_end: bool = False,
     progress: Progress | None = None,
     begun: Begun | None = None,
 ) -> Result:
@@ -57,6 +58,7 @@ def simulate(
     "energy".
     start_time: [s], before the stop time.
     tolerance, method: instead of the scene's own, as in Simulation.
+    open_end: do not tell the component when the run ends, over which its errors add up; it takes the scene's stop time for that.
     interpolation: between communication points inputs are "held", "linear" or "cubic": forces and loads with continuous slopes, the others
     linear (fmi2SetRealInputDerivatives). The values at the next communication point must then be known in advance.
     progress: called as progress(share of the run in 0..1, simulated time [s]).
@@ -77,13 +79,15 @@ def simulate(
         step = positive("communication step", step, component.interface.step)
         source = Inputs(inputs, start_time)
         simulation = Simulation(
-            component, tolerance=tolerance, method=method, start_values=start_values, start_time=start_time, stop_time=stop_time
-        )
+            component, tolerance=tolerance, method=method, start_values=start_values, start_time=start_time,
+            stop_time=None if open_end else stop_time,
+        )  # fmt: skip
         run = _Run(simulation, source, stop_time, step, interpolation, _recorded_outputs(component, output))
         started = [name for given in start_values or {} for name in simulation.block(given).names]
-        source.require_undriven(started, run.inputs.names)
+        source.require_undriven(started, [*run.inputs.names, *source.tuned])
         run.fill(0, 1)
         run.apply(0)
+        run.retune(0)
         simulation.initialize()
         if begun:
             begun(simulation, source)
@@ -116,7 +120,7 @@ class _Run(Drive):
         self, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation, chosen: set[str]
     ):
         component = simulation.component
-        driven = source.driven(component)
+        driven = source.driven(component, tunable=True)
         reals, *others = ([v for v in component.variables("output", kind) if v.name in chosen] for kind in NUMBERS)
         outputs = [*in_place(reals), *(variable for some in others for variable in some)]
         points = math.prod(component.lattice.points) if component.lattice else len(reals) // 3
@@ -124,6 +128,8 @@ class _Run(Drive):
         times = communication_points(stop_time, step, simulation.time, bytes_each=8 * recorded)
         super().__init__(simulation, times, step, driven, outputs, single=source.is_function or interpolation != "held")
         self._source = source
+        self._tuning = source.changes(times)
+        """What tunable parameters are still to change to, by rows"""
         self._slopes = {"linear": source.rates, "cubic": source.bends}.get(interpolation)
         self._moving = [n for n, variable in enumerate(driven[: len(source.names)]) if variable.kind == "Real"]
         """Which of the source's names are Reals that it gives itself"""
@@ -134,6 +140,11 @@ class _Run(Drive):
     def fill(self, first: int, until: int) -> None:
         if first < until:
             self.input_rows[first:until] = self._source.rows(self.times[first : until + 1])
+
+    def retune(self, row: int) -> int:
+        for name, value in self._tuning.pop(row, {}).items():
+            self._component.block([name]).set([value])
+        return min(self._tuning, default=super().retune(row))
 
     def apply(self, row: int) -> None:
         super().apply(row)

@@ -29,11 +29,17 @@ def deformation(positions: np.ndarray, rest: np.ndarray) -> np.ndarray:
 
     positions: (T, nx, ny, nz, 3) [m]. rest: (nx, ny, nz, 3) [m]. The best fit is that of the least squares (Kabsch 1976), no mirror image.
     """
+    moved, at_rest, turns = best_fit(positions, rest)
+    return np.linalg.norm(moved - at_rest @ turns, axis=2).max(axis=1)
+
+
+def best_fit(positions: np.ndarray, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The points (T, n, 3) and those at rest (n, 3), each about their mean [m], and the turns (T, 3, 3) by which points ~ rest @ turn."""
     moved, at_rest = positions.reshape(len(positions), -1, 3), rest.reshape(-1, 3)
     moved, at_rest = moved - moved.mean(axis=1, keepdims=True), at_rest - at_rest.mean(axis=0)
     u, _, vt = np.linalg.svd(np.einsum("na,tnb->tab", at_rest, moved))
     u[:, :, -1] *= np.where(np.linalg.det(u @ vt) < 0, -1.0, 1.0)[:, None]
-    return np.linalg.norm(moved - at_rest @ (u @ vt), axis=2).max(axis=1)
+    return moved, at_rest, u @ vt
 
 
 def lattice_gradients(positions: np.ndarray, lattice: LatticeBox) -> np.ndarray:

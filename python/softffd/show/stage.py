@@ -36,6 +36,11 @@ class Track:
     normals: np.ndarray
     tangents: np.ndarray
 
+    @cached_property
+    def axes(self) -> np.ndarray:
+        """Its axes, unit vectors as rows (T, 3, 3)."""
+        return np.stack([self.tangents, np.cross(self.normals, self.tangents), self.normals], axis=1)
+
 
 @dataclass(frozen=True, eq=False)
 class PlaneTrack(Track):
@@ -54,11 +59,6 @@ class SolidTrack(Track):
     """A solid obstacle over time, by its centre."""
 
     form: Form
-
-    @cached_property
-    def axes(self) -> np.ndarray:
-        """Its axes, unit vectors as rows (T, 3, 3)."""
-        return np.stack([self.tangents, np.cross(self.normals, self.tangents), self.normals], axis=1)
 
     def surface(self, frame: int) -> tuple[np.ndarray, np.ndarray]:
         """Vertices (V, 3) [m] and their normals (V, 3) in a frame."""
@@ -201,6 +201,8 @@ def up_direction(result: Result) -> np.ndarray:
 
 def _recorded(result: Result) -> np.ndarray:
     positions = np.asarray(result.positions, dtype=float)
+    if not np.prod(positions.shape[1:4]):
+        raise SoftffdError("The run cannot be shown: its FMU has no control points. Wanted: a run of an FMU of softffd.")
     missing = np.isnan(positions).any(axis=(0, 4)) if len(positions) else np.ones(positions.shape[1:4], dtype=bool)
     if missing.any():
         raise SoftffdError(

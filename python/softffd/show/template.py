@@ -7,7 +7,10 @@ from importlib import resources
 
 def filled(package: str, template: str, parts: Mapping[str, str]) -> str:
     """The text of a package's template, as "view.html" of softffd.show, with its parts in their places."""
-    texts, folder = dict(parts), resources.files(package)
-    for name in (template, *(file.name for file in folder.iterdir() if file.name.endswith((".js", ".glsl")))):
-        texts[name] = folder.joinpath(name).read_text(encoding="utf-8")
-    return re.sub(r"{{([\w.]+)}}", lambda place: texts[place[1]], texts[template])
+    whole = text_of(package, template)
+    return re.sub(r"{{([\w.]+)}}", lambda place: parts[place[1]] if place[1] in parts else text_of(package, place[1]), whole)
+
+
+def text_of(package: str, file: str) -> str:
+    """The text of a package's file."""
+    return resources.files(package).joinpath(file).read_text(encoding="utf-8")

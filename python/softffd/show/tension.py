@@ -62,8 +62,9 @@ def tension_of(result: Result, stage: Stage, frames: Sequence[int], colour: str)
     require_name("colour", colour, list(COLOURS))
     cells, tints = _cells(colour, result, np.array(frames)), {}
     low, high = cells.ends
+    places = (stage.vertices - stage.origin) / stage.size
     for frame, values in zip(frames, cells.values, strict=True):
-        of_vertices = _at_vertices(values, stage)
+        of_vertices = at_places(values, places)
         tints[frame] = colormaps[RAMP]((of_vertices - low) / (high - low))[:, :3]
         tints[frame][~np.isfinite(of_vertices)] = FOLDED
     return cells, tints
@@ -87,9 +88,11 @@ def _ends(name: str, values: np.ndarray) -> tuple[float, float]:
     return float(low), float(high if high > low else low + 1)
 
 
-def _at_vertices(values: np.ndarray, stage: Stage) -> np.ndarray:
+def at_places(values: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Values of the cells (nx - 1, ny - 1, nz - 1) at places (V, 3) of the box, 0 .. 1 along each side, (V,): linear between
+    the centres."""
     most = np.array(values.shape) - 1
-    place = ((stage.vertices - stage.origin) / stage.size * values.shape - 0.5).clip(0, most)
+    place = (places * values.shape - 0.5).clip(0, most)
     low = np.minimum(place.astype(int), np.maximum(most - 1, 0))
     share = place - low
     total = np.zeros(len(place))

@@ -1,26 +1,19 @@
-// ---- playback ----------------------------------------------------------------------------------------------------
-const HOLD = 0.7;                                        // s that the last frame stays before the run starts again
-let last_clock = null, held = 0;
+// ---- time --------------------------------------------------------------------------------------------------------
+let last_clock = null;
 
 function advance(clock) {
   const passed = last_clock === null ? 0 : Math.min(Math.max((clock - last_clock) / 1000, 0), 0.1);  // a frame's clock may be behind
   last_clock = state.playing ? clock : null;
-  if (!state.playing) return;
-  if (state.time < times[LAST]) { state.time = Math.min(state.time + passed * state.speed, times[LAST]); held = 0; }
-  else if ((held += passed) > HOLD) state.time = times[0];
-}
-function go_to(t) {
-  state.time = Math.min(Math.max(t, times[0]), times[LAST]);
-  show();
+  if (state.playing) source.advance(passed);
 }
 function step_frames(count) {
-  const [low, , share] = frame_at(state.time);
   set_playing(false);
-  go_to(times[Math.min(Math.max(low + count + (count < 0 && share > 0 ? 1 : 0), 0), LAST)]);
+  source.step(count);
 }
 function set_playing(playing) {
-  state.playing = playing && LAST > 0;
+  state.playing = playing && source.moves;
   last_clock = null;
+  source.switched?.();
   element("play").setAttribute("aria-label", state.playing ? "Pause" : "Play");
   element("play").querySelector("path").setAttribute("d", state.playing ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 1.6l10 6.4-10 6.4z");
   show();
@@ -40,45 +33,30 @@ function rounded(vector) {
   const largest = Math.max(...vector.map(Math.abs)), digits = largest > 0 ? 2 - Math.floor(Math.log10(largest)) : 0;
   return Array.from(vector, v => NUMBERS.format(+(Math.round(v * 10 ** digits) / 10 ** digits || 0).toPrecision(4)));
 }
-const decimals = Math.min(Math.max(2 - Math.floor(Math.log10((times[LAST] - times[0]) / 100 || 1)) - 1, 1), 6);
-const seconds = t => `${t.toFixed(decimals)} s`;
+const seconds = t => `${t.toFixed(source.decimals)} s`;
 
 function make_rows() {
   for (const row of run.rows) {
-    const box = document.createElement("div"), low = Math.min(0, ...row.values), high = Math.max(...row.values, low + 1e-12);
-    const x = i => 100 * (times[i] - times[0]) / (times[LAST] - times[0] || 1), y = v => 24 - 22 * (v - low) / (high - low);
-    const path = Array.from(row.values, (v, i) => `${i ? "L" : "M"}${x(i).toFixed(2)} ${y(v).toFixed(2)}`).join("");
+    const box = document.createElement("div");
     box.className = "row";
     box.style.setProperty("--mark", row.mark);
     box.innerHTML = `<div><span class="label"></span><span class="value"></span></div><div class="vector"></div>
-      <svg viewBox="0 0 100 26" preserveAspectRatio="none" aria-hidden="true"><path d="${path}"/><line y1="0" y2="26"/></svg>`;
+      <svg viewBox="0 0 100 26" preserveAspectRatio="none" aria-hidden="true"><path/><line y1="0" y2="26"/></svg>`;
     box.querySelector(".label").append(row.label, Object.assign(document.createElement("span"), { textContent: ` ${row.kind}` }));
-    seek_along(box.querySelector("svg"));
-    row.parts = { value: box.querySelector(".value"), vector: box.querySelector(".vector"), cursor: box.querySelector("line") };
+    const [value, vector, curve, path, cursor] = [".value", ".vector", "svg", "path", "line"].map(part => box.querySelector(part));
+    row.parts = { value, vector, curve, path, cursor };
     element("readout").append(box);
   }
 }
-function seek_along(curve) {
-  const seek = e => {
-    const { left, width } = curve.getBoundingClientRect();
-    go_to(times[0] + (times[LAST] - times[0]) * (e.clientX - left) / width);
-  };
-  curve.addEventListener("pointerdown", e => { curve.setPointerCapture(e.pointerId); set_playing(false); seek(e); });
-  curve.addEventListener("pointermove", e => { if (e.buttons) seek(e); });
-}
 function write_readout() {
-  const frame = frame_shown();
   element("now").textContent = seconds(state.time);
-  element("frame").textContent = `frame ${frame + 1} of ${LAST + 1}`;
-  element("slider").value = state.time;
-  element("slider").setAttribute("aria-valuetext", seconds(state.time));
-  const x = 100 * (state.time - times[0]) / (times[LAST] - times[0] || 1);
-  for (const { parts, values, vectors, unit } of run.rows) {
-    parts.value.textContent = quantity(values[frame], unit);
-    if (vectors) parts.vector.textContent = `(${rounded(vectors.subarray(3 * frame, 3 * frame + 3)).join(", ")}) ${unit}`;
-    parts.cursor.setAttribute("x1", x);
-    parts.cursor.setAttribute("x2", x);
+  element("frame").textContent = source.told();
+  for (const row of run.rows) {
+    const [size, vector] = source.values(row);
+    row.parts.value.textContent = quantity(size, row.unit);
+    if (vector) row.parts.vector.textContent = `(${rounded(vector).join(", ")}) ${row.unit}`;
   }
+  source.follow();
 }
 function set_colour(colour) {
   state.colour = element("colour").value = colour;
@@ -99,7 +77,7 @@ function toggle(name) {
 const SPEEDS = [1000, 500, 200, 100, 50, 20, 10, 5, 2].map(n => 1 / n).concat([1, 2, 5, 10, 20, 50, 100]);
 function offer_speeds() {
   for (const s of SPEEDS) element("speed").add(new Option(s < 1 ? `1/${Math.round(1 / s)}` : `${s} ×`, s));
-  const wanted = (times[LAST] - times[0]) / 5;             // a run of a few seconds plays as it is, others last about five
+  const wanted = source.pace;                              // a run of a few seconds plays as it is, others last about five
   set_speed(wanted >= 0.25 && wanted <= 4 ? 1 : SPEEDS.reduce((best, s) => Math.abs(Math.log(s / wanted)) < Math.abs(Math.log(best / wanted)) ? s : best));
 }
 function set_speed(speed) {
@@ -128,17 +106,18 @@ function move(dx, dy) {
 function listen_to_pointers() {
   const down = new Map();
   const spread = () => { const [a, b] = [...down.values()]; return Math.hypot(a.x - b.x, a.y - b.y) || 1; };
-  canvas.addEventListener("pointerdown", e => { canvas.setPointerCapture(e.pointerId); down.set(e.pointerId, { x: e.clientX, y: e.clientY }); });
+  canvas.addEventListener("pointerdown", e => { canvas.setPointerCapture(e.pointerId); down.set(e.pointerId, { x: e.clientX, y: e.clientY }); source.press?.(e, down.size); });
   canvas.addEventListener("pointermove", e => {
     const at = down.get(e.pointerId);
     if (!at) return;
     const dx = e.clientX - at.x, dy = e.clientY - at.y, before = down.size > 1 ? spread() : 0;
     Object.assign(at, { x: e.clientX, y: e.clientY });
     if (down.size > 1) { zoom(before / spread()); move(dx / 2, dy / 2); }
+    else if (source.drag?.(e)) return;
     else if (e.buttons & 6 || e.shiftKey) move(dx, dy);
     else turn(dx * 0.008, dy * 0.008);
   });
-  for (const type of ["pointerup", "pointercancel"]) canvas.addEventListener(type, e => down.delete(e.pointerId));
+  for (const type of ["pointerup", "pointercancel"]) canvas.addEventListener(type, e => { down.delete(e.pointerId); source.release?.(e); });
   canvas.addEventListener("wheel", e => { e.preventDefault(); zoom(Math.exp(Math.max(Math.min(e.deltaY, 120), -120) * 0.0016)); }, { passive: false });
   canvas.addEventListener("contextmenu", e => e.preventDefault());
   canvas.addEventListener("dblclick", reset_view);
@@ -146,7 +125,7 @@ function listen_to_pointers() {
 const next_colour = () => set_colour(COLOURS[(COLOURS.indexOf(state.colour) + 1) % COLOURS.length]);
 const KEYS = {
   " ": () => set_playing(!state.playing), ",": () => step_frames(-1), ".": () => step_frames(1),
-  Home: () => go_to(times[0]), End: () => go_to(times[LAST]), "[": () => change_speed(-1), "]": () => change_speed(1),
+  "[": () => change_speed(-1), "]": () => change_speed(1),
   l: () => toggle("lattice"), o: () => toggle("obstacles"), k: () => toggle("contacts"), f: () => toggle("follow"), c: next_colour, r: reset_view,
   "+": () => zoom(0.9), "=": () => zoom(0.9), "-": () => zoom(1.1),
 };
@@ -164,7 +143,6 @@ function listen_to_keys() {
 }
 function listen() {
   element("play").onclick = () => set_playing(!state.playing);
-  element("slider").oninput = e => { set_playing(false); go_to(+e.target.value); };
   element("speed").onchange = e => set_speed(+e.target.value);
   element("colour").onchange = e => set_colour(e.target.value);
   for (const name of ["lattice", "obstacles", "contacts", "follow"]) element(name).onclick = () => toggle(name);
@@ -199,13 +177,13 @@ function write_page() {
   for (const each of run.cells) element("colour").add(new Option(each.name === "von_mises" ? "stress" : each.name, each.name));
   element("ramp").style.background = `linear-gradient(90deg, ${Array.from({ length: 9 }, (_, i) => {
     const at = 3 * Math.round(i / 8 * (run.ramp.length / 3 - 1)); return `rgb(${run.ramp.slice(at, at + 3)})`; }).join(",")})`;
-  Object.assign(element("slider"), { min: times[0], max: times[LAST], step: (times[LAST] - times[0]) / 5000 || 1 });
 }
 // "#t=0.4" in the address opens the page at that time, paused; "&colour=strain" with that colour.
 function start() {
   const wanted = new URLSearchParams(location.hash.slice(1)), still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   write_page();
   make_rows();
+  source.begin();
   if (!gl) return say_instead(NO_WEBGL);
   canvas.addEventListener("webglcontextlost", () => say_instead(LOST));
   build();
@@ -214,7 +192,7 @@ function start() {
   offer_speeds();
   reset_view();
   set_colour(COLOURS.includes(wanted.get("colour")) ? wanted.get("colour") : state.colour);
-  if (wanted.has("t")) go_to(+wanted.get("t") || 0);
+  if (wanted.has("t")) source.go_to(+wanted.get("t") || 0);
   set_playing(!wanted.has("t") && !still);
 }
 try { start(); } catch (error) { say_instead(`The 3D view could not start: ${error.message}`); throw error; }

@@ -2,7 +2,8 @@
 
 The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume,
 so a frame costs the control points whatever the size of the mesh; of B-splines or patches 64 of them count at a vertex.
-`view.html` is the page with its style; `view_drawing.js`, `view_touch.js` and `view.glsl` draw; `view.js` listens and tells.
+`view.html` is the page with its style; `view_drawing.js`, `view_touch.js` and `view.glsl` draw what a source gives them, here
+`view_recorded.js`; `view.js` listens and tells.
 """
 
 import base64
@@ -27,7 +28,7 @@ from softffd.run.result import Result
 from softffd.show.raster import Tint
 from softffd.show.solid import Form
 from softffd.show.stage import FREE, PINNED, VIEW, PlaneTrack, SolidTrack, Stage, round_length, stage_of
-from softffd.show.template import filled
+from softffd.show.template import filled, text_of
 from softffd.show.tension import Cells, cells_of
 from softffd.show.touch import INK, MARK, touch_of
 
@@ -56,25 +57,45 @@ def page_text(result: Result) -> str:
     """The page itself, see write_view."""
     stage = stage_of(result)
     frames = _frames(stage.positions)
+    thinned = len(frames) < len(stage.time)
     run = {
-        **_words(stage, frames, result.loaded_mesh),
+        **scenery(stage, frames, result.loaded_mesh),
+        "note": f"{len(frames):,} of {len(stage.time):,} recorded frames are shown" if thinned else "",
+        "time": _text(stage.time[frames], "<f8"),
+        "positions": _text(to_flat(stage.positions[frames]) - stage.centre, "<f4"),
+        "rows": _rows(result, stage, frames),
+        "largest": largest(stage, frames),
+        "cells": [_cells(each) for each in cells_of(result, frames)],
+        "touch": _touch(result, stage, frames),
+    }
+    return page_of(run, source=text_of("softffd.show", "view_recorded.js"))
+
+
+def page_of(run: dict[str, Any], *, source: str, policy: str = "", style: str = "", panel: str = "", data: str = "") -> str:
+    """The page of what `view_drawing.js` calls the run, and of the script that makes its source; what else that needs: what scripts
+    may do, rules of style, controls, and elements with data."""
+    parts = {"source": source, "policy": policy, "style": style, "panel": panel, "data": data}
+    return filled("softffd.show", "view.html", parts | {"title": html.escape(run["title"]), "run": as_json(run)})
+
+
+def as_json(data: Any) -> str:
+    """Data as a page holds them in an element `script`."""
+    return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def scenery(stage: Stage, frames: np.ndarray, mesh: Mesh | None) -> dict[str, Any]:
+    """What does not change: words, the surface at rest, colours, and where things are; of obstacles their poses in some frames, too."""
+    return {
+        **_words(stage, mesh),
         **_surface(stage),
         **_colours(stage),
         **_sights(stage),
         "counts": stage.counts,
         "bases": [BASES.index(stage.basis) if n > 4 else 0 for n in stage.counts],
-        "time": _text(stage.time[frames], "<f8"),
-        "positions": _text(to_flat(stage.positions[frames]) - stage.centre, "<f4"),
         "pinned": stage.pinned.tolist(),
         "planes": [_obstacle(plane, stage, frames) | {"floor": plane.is_floor} for plane in stage.planes],
         "solids": [_obstacle(solid, stage, frames) | _form(solid.form) for solid in stage.solids],
-        "rows": _rows(result, stage, frames),
-        "largest": _largest(stage, frames),
-        "cells": [_cells(each) for each in cells_of(result, frames)],
-        "touch": _touch(result, stage, frames),
     }
-    data = json.dumps(run, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-    return filled("softffd.show", "view.html", {"title": html.escape(stage.title), "run": data})
 
 
 def _frames(positions: np.ndarray) -> np.ndarray:
@@ -84,13 +105,11 @@ def _frames(positions: np.ndarray) -> np.ndarray:
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
 
 
-def _words(stage: Stage, frames: np.ndarray, mesh: Mesh | None) -> dict[str, Any]:
+def _words(stage: Stage, mesh: Mesh | None) -> dict[str, Any]:
     subtitle = " × ".join(str(n) for n in stage.counts) + " control points"
     if mesh is not None:
         subtitle += f" · {mesh.name}: {len(mesh.vertices):,} vertices, {len(mesh.faces):,} triangles"
-    thinned = len(frames) < len(stage.time)
-    note = f"{len(frames):,} of {len(stage.time):,} recorded frames are shown" if thinned else ""
-    return {"title": stage.title, "subtitle": subtitle, "note": note}
+    return {"title": stage.title, "subtitle": subtitle}
 
 
 def _surface(stage: Stage) -> dict[str, Any]:
@@ -172,7 +191,7 @@ def _touch(result: Result, stage: Stage, frames: np.ndarray) -> dict[str, Any]:
 
 def _rows(result: Result, stage: Stage, frames: np.ndarray) -> list[dict[str, Any]]:
     """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J]."""
-    marks = {each.name: _hex(each.tint) for each in stage.obstacles}
+    marks = {each.name: hex_of(each.tint) for each in stage.obstacles}
     rows = []
     for part, force in reactions(result).items():
         mark = marks.get(part.name, "var(--pin)") if part.is_obstacle else "var(--pin)"
@@ -189,11 +208,12 @@ def _row(label: str, kind: str, unit: str, mark: str, values: np.ndarray, vector
     return texts | {"values": _text(values, "<f4"), "vectors": None if vectors is None else _text(vectors, "<f4")}
 
 
-def _hex(tint: Tint) -> str:
+def hex_of(tint: Tint) -> str:
+    """The colour of an obstacle's words and curves."""
     return "#" + "".join(f"{round(255 * 0.8 * c):02x}" for c in tint)
 
 
-def _largest(stage: Stage, frames: np.ndarray) -> dict[str, float]:
+def largest(stage: Stage, frames: np.ndarray) -> dict[str, float]:
     """Ends of the colour scales, which 1 % of the worst frame's samples exceed: displacement [m], Green strain."""
     chosen = np.linspace(0, len(stage.vertices) - 1, min(len(stage.vertices), SAMPLES)).astype(int)
     samples = stage.vertices[chosen]

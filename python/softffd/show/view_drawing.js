@@ -4,34 +4,9 @@ const element = id => document.getElementById(id);
 const run = JSON.parse(element("run").textContent);
 const decode = (text, Type) => new Type(Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer);
 const [NX, NY, NZ] = run.counts, POINTS = NX * NY * NZ;
-const times = decode(run.time, Float64Array), LAST = times.length - 1;
-const history = decode(run.positions, Float32Array);
 const obstacles = [...run.planes, ...run.solids];
-for (const each of obstacles) each.poses = decode(each.poses, Float32Array);
-for (const row of run.rows) {
-  row.values = decode(row.values, Float32Array);
-  row.vectors = row.vectors && decode(row.vectors, Float32Array);
-}
-for (const each of run.cells) each.values = decode(each.values, Uint8Array);
 const COLOURS = ["paint", "displacement", "strain", ...run.cells.map(each => each.name)];
-const state = { time: times[0], playing: false, speed: 1, colour: run.cage ? "displacement" : "paint", lattice: !!run.cage, obstacles: true, contacts: true, follow: false };
-
-// Index of the last recorded frame at or before t, and the share of the way to the next.
-function frame_at(t) {
-  let low = 0, high = LAST;
-  while (low < high) { const middle = (low + high + 1) >> 1; if (times[middle] <= t) low = middle; else high = middle - 1; }
-  const next = Math.min(low + 1, LAST), gap = times[next] - times[low];
-  return [low, next, gap > 0 ? Math.min(Math.max((t - times[low]) / gap, 0), 1) : 0];
-}
-function frame_shown() {
-  const [low, next, share] = frame_at(state.time);
-  return share > 0.999 ? next : low;
-}
-function between(data, width, [a, b, share]) {
-  const out = new Float32Array(width);
-  for (let i = 0; i < width; i++) out[i] = data[a * width + i] * (1 - share) + data[b * width + i] * share;
-  return out;
-}
+const state = { time: 0, playing: false, speed: 1, colour: run.cage ? "displacement" : "paint", lattice: !!run.cage, obstacles: true, contacts: true, follow: false };
 
 // ---- vectors ---------------------------------------------------------------------------------------------------
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -247,7 +222,7 @@ function fit_canvas() {
   if (camera.home) camera.distance = fitting_distance();   // not once somebody has zoomed or moved
 }
 function load_points() {
-  const now = between(history, 3 * POINTS, frame_at(state.time));
+  const now = source.points();
   for (let p = 0; p < POINTS; p++) texels.set(now.subarray(3 * p, 3 * p + 3), 4 * p);
   gl.activeTexture(gl.TEXTURE0);
   gl.bindTexture(gl.TEXTURE_2D, points);
@@ -256,7 +231,7 @@ function load_points() {
   for (const plane of run.planes) spread_plane(plane);
 }
 function place_obstacle(each) {
-  const pose = between(each.poses, 9, frame_at(state.time)), normal = unit(pose.subarray(3, 6)), raw = pose.subarray(6, 9);
+  const pose = source.pose(each), normal = unit(pose.subarray(3, 6)), raw = pose.subarray(6, 9);
   each.now = { anchor: [...pose.subarray(0, 3)], normal, tangent: unit(plus(raw, -dot(raw, normal), normal)) };
 }
 // The patch drawn of a plane lies under the scene's centre; its grid is anchored to the obstacle's own point. A floor fades
@@ -307,9 +282,8 @@ function load_cells() {
   gl.activeTexture(gl.TEXTURE3);
   gl.bindTexture(gl.TEXTURE_3D, cells);
   if (!shown) return;
-  const width = 2 * size[0] * size[1] * size[2], data = new Uint8Array(between(shown.values, width, frame_at(state.time)));
   gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-  gl.texImage3D(gl.TEXTURE_3D, 0, gl.RG8, ...size, 0, gl.RG, gl.UNSIGNED_BYTE, data);
+  gl.texImage3D(gl.TEXTURE_3D, 0, gl.RG8, ...size, 0, gl.RG, gl.UNSIGNED_BYTE, source.cells(shown));
   for (const end of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T, gl.TEXTURE_WRAP_R]) gl.texParameteri(gl.TEXTURE_3D, end, gl.CLAMP_TO_EDGE);
   for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_3D, filter, gl.LINEAR);
 }

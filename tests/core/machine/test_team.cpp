@@ -1,8 +1,11 @@
 #include "machine/team.hpp"
 
+#include <atomic>
 #include <cfenv>
 #include <chrono>
 #include <set>
+#include <thread>
+#include <vector>
 
 #ifndef _WIN32
 #include <signal.h>

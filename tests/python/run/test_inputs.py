@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from softffd import FmuError
+from softffd import FmuError, Simulation, load_scene, simulate
 from softffd.run.inputs import Inputs, derived_velocities
 
 
@@ -161,3 +161,36 @@ def test_a_data_frame_goes_by_its_time_or_its_index():
     for index in (["a", "b"], [1.0, 0.0], [0.0, float("nan")]):
         with pytest.raises(FmuError, match=r"inputs: .*wanted a column of numbers|must not decrease|wanted a finite number"):
             Inputs(frame.set_index(pandas.Index(index)))
+
+
+@pytest.mark.parametrize("split", [7, 50])
+def test_a_column_of_a_tunable_parameter_sets_it_when_it_changes_and_only_then(tmp_path, split):
+    """To the bit as a host does that sets it between two steps: setting a stiffness anew may change how the steps are taken."""
+    scene, step = load_scene("press"), 0.01
+    course = table(time=step * np.arange(split + 20), **{"stiffness.edge": np.where(np.arange(split + 20) < split, 1e3, 400.0)})
+    result = simulate(scene, inputs=course, stop_time=course["time"][-1], open_end=True)
+    with Simulation(scene) as host:
+        for n in range(len(course) - 1):
+            if n == split:
+                host["stiffness.edge"] = 400.0
+            host.step(step, end=course["time"][n + 1])
+        assert (host.positions == result.positions[-1]).all()
+
+
+def test_a_parameter_in_the_first_row_is_a_start_value():
+    course = table(time=[0.0, 0.1], **{"stiffness.edge": [400.0, 400.0]})
+    result = simulate("press", inputs=course, stop_time=0.1)
+    assert result.parameters["stiffness.edge"] == 400.0
+    assert (result.positions == simulate("press", inputs={}, start_values={"stiffness.edge": 400.0}, stop_time=0.1).positions).all()
+
+
+@pytest.mark.parametrize("name", ["mass", "solver.tolerance"])
+def test_a_column_of_a_fixed_parameter_is_refused(name):
+    with pytest.raises(FmuError, match=f"{name}: wanted an input of the FMU, got its parameter"):
+        simulate("press", inputs=table(time=[0.0, 1.0], **{name: [1.0, 2.0]}), stop_time=0.1)
+
+
+def test_a_start_value_that_a_column_gives_is_refused():
+    course = table(time=[0.0, 1.0], **{"stiffness.edge": [1e3, 2e3]})
+    with pytest.raises(FmuError, match=r"stiffness.edge comes from here over time"):
+        simulate("press", inputs=course, start_values={"stiffness.edge": 1.0}, stop_time=0.1)

@@ -59,6 +59,12 @@ def test_unrecorded_positions_are_refused_with_the_key_that_helps():
         stage_of(result)
 
 
+def test_a_run_without_control_points_is_refused():
+    result = made_up_run()
+    with pytest.raises(SoftffdError, match="its FMU has no control points"):
+        stage_of(replace(result, lattice=None, positions=result.positions[:, :0, :0, :0]))
+
+
 def test_the_surface_follows_the_basis_of_the_lattice():
     """One control point moved: all of a Bezier volume moves, of B-splines only what is near, of patches its own."""
     result = made_up_run(counts=(10, 4, 4))

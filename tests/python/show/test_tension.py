@@ -7,7 +7,7 @@ from matplotlib import colormaps
 from scenes import box
 from softffd import SoftffdError, simulate
 from softffd.show.stage import stage_of
-from softffd.show.tension import FOLDED, _at_vertices, tension_of
+from softffd.show.tension import FOLDED, at_places, tension_of
 
 MODULUS, STRAIN = 1e5, 1e-4
 
@@ -34,7 +34,8 @@ def test_between_the_centres_of_cells_it_is_linear_and_beyond_them_that_of_the_n
     stage = stage_of(pulled)
     values = np.broadcast_to(np.array([1.0, 2.0, 5.0])[:, None, None], (3, 3, 3))
     x = stage.vertices[:, 0]
-    assert _at_vertices(values, stage) == pytest.approx(np.interp(x, [1 / 6, 1 / 2, 5 / 6], [1.0, 2.0, 5.0]), abs=1e-12)
+    places = (stage.vertices - stage.origin) / stage.size
+    assert at_places(values, places) == pytest.approx(np.interp(x, [1 / 6, 1 / 2, 5 / 6], [1.0, 2.0, 5.0]), abs=1e-12)
 
 
 def test_cells_turned_inside_out_are_grey():

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "machine/elementary.hpp"
 namespace softffd {
 
 namespace {
@@ -152,7 +153,7 @@ bool ImplicitContact::close(const Step& step, double outside, double work, bool 
   return true;
 }
 
-double ImplicitContact::kept(double angle) { return std::hypot(1, (1 - 2 * gamma) * angle) / (1 + gamma * gamma * angle * angle); }
+double ImplicitContact::kept(double angle) { return hypotenuse(1, (1 - 2 * gamma) * angle) / (1 + gamma * gamma * angle * angle); }
 
 void ImplicitContact::take(State& state) {
   stage_.touches().hold(state);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "contact/tolerances.hpp"
+#include "machine/elementary.hpp"
 
 namespace softffd {
 
@@ -50,7 +51,7 @@ HalfSpace tangent(const Plane& solid, const SolidPose& pose, const Vec3& x) {
   const Vec3 up = height < 0 ? Vec3(-pose.normal) : pose.normal;
   const double above = std::abs(height) - half, beside = distance - solid.radius;
   if (above > 0 && beside > 0) {  // the edge is closest
-    const double away = std::hypot(above, beside);
+    const double away = hypotenuse(above, beside);
     return half_space(pose, (above * up + beside * outward) / away, (above * half + beside * solid.radius) / away);
   }
   return above >= beside ? half_space(pose, up, half) : half_space(pose, outward, solid.radius);

@@ -1,0 +1,84 @@
+"""A run as rigid motion and a few shapes: what formats hold that have morph targets in the place of moving vertices.
+
+Every vertex is a fixed combination of control points, so that shapes of these, (n, 3) each, are shapes of any mesh. At a row the points are
+
+    p = mean + turn (rest - mean of rest + base + sum of weight_k shape_k),    k <= 8,  0 <= weight_k <= 1
+
+with the turn that fits best, and for some rows one after the other, a window, base, shapes and weights by the principal components of what
+is left. (Blender takes no weights outside of 0 .. 1.) Inside the box the combinations are convex, so that no vertex is farther off than the
+worst control point. Nine rows have eight components without an error: windows that are short enough reach any tolerance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from softffd.run.stress import best_fit
+
+MOST = 8
+"""Morph targets that every viewer blends at a time"""
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Rows first .. last, of which the last is the next window's first: `shapes` (1 + K, n, 3) [m], K <= 8, of which the first is the base,
+    and `weights` (last - first + 1, K) of the others, 0 .. 1."""
+
+    first: int
+    last: int
+    shapes: np.ndarray
+    weights: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """`means` (R, 3) [m] and `turns` (R, 3, 3), by which x -> mean + x @ turn, about `centre` (3,) [m], the mean at rest; the windows."""
+
+    centre: np.ndarray
+    means: np.ndarray
+    turns: np.ndarray
+    windows: tuple[Window, ...]
+
+
+def motion_of(positions: np.ndarray, rest: np.ndarray, error: float) -> Motion:
+    """The motion of control points (R, n, 3), at rest (n, 3), in as few windows as stay below an error [m] at every point and row."""
+    moved, at_rest, turns = best_fit(positions, rest)
+    left = (moved @ turns.transpose(0, 2, 1) - at_rest).reshape(len(positions), -1)
+    return Motion(rest.mean(axis=0), positions.mean(axis=1), turns, tuple(_windows(left, error)))
+
+
+def _windows(left: np.ndarray, error: float) -> Iterator[Window]:
+    """Each as long as it can be: its length is doubled, and then halved in between."""
+    products, first, end = left @ left.T, 0, len(left) - 1
+    while True:
+        reached, over, step = min(first + MOST, end), end + 1, MOST  # up to `reached` it is good, to `over` it is not
+        window, _ = _fitted(left, products, first, reached, error)
+        while over - reached > 1:
+            tried = min(reached + step, end) if over > end else (reached + over) // 2
+            longer, is_good = _fitted(left, products, first, tried, error)
+            window, reached, over, step = (longer, tried, over, 2 * step) if is_good else (window, reached, tried, step)
+        yield window
+        if reached == end:
+            return
+        first = reached
+
+
+def _fitted(left: np.ndarray, products: np.ndarray, first: int, last: int, error: float) -> tuple[Window, bool]:
+    """The window with the fewest shapes below the error, with MOST where these are not enough; whether it is below."""
+    part = slice(first, last + 1)
+    inner = products[part, part]
+    inner = inner - inner.mean(axis=0) - inner.mean(axis=1, keepdims=True) + inner.mean()
+    vectors = np.linalg.eigh(inner)[1][:, ::-1][:, :MOST]
+    base = left[part].mean(axis=0)
+    rest = left[part] - base
+    shapes, count = vectors.T @ rest, 0
+    while not (is_good := np.linalg.norm(rest.reshape(len(rest), -1, 3), axis=2).max() <= error) and count < len(shapes):
+        rest -= vectors[:, count, None] * shapes[count]
+        count += 1
+    weights = vectors[:, :count]
+    low, span = weights.min(axis=0), np.maximum(np.ptp(weights, axis=0), 1e-12)
+    every = np.concatenate([(base + low @ shapes[:count])[None], span[:, None] * shapes[:count]])
+    return Window(first, last, every.reshape(1 + count, -1, 3), ((weights - low) / span).clip(0, 1)), bool(is_good)

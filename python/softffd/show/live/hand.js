@@ -1,0 +1,167 @@
+// ---- the hand: what is under the pointer, and where it is taken ------------------------------------------------------
+// A pixel is drawn with numbers of its place: whole numbers, which every WebGL 2 can draw into.
+SOURCES["pick-vertex"] = `
+layout(location = 0) in vec3 coordinates;
+uniform mat4 camera;
+out vec3 world;
+void main() { mat3 derivative; vec3 place; gl_Position = camera * vec4(evaluate(coordinates, derivative, place), 1); world = coordinates; }`;
+SOURCES["pick-fragment"] = `
+precision highp float;
+in vec3 world;
+uniform float number;
+out highp uvec4 found;
+void main() { found = uvec4(floatBitsToUint(world), uint(number)); }`;
+let picker, grip = null;                               // grip: what a pointer holds
+
+function build_picker() {
+  const frame = gl.createFramebuffer();
+  gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+  for (const [place, format] of [[gl.COLOR_ATTACHMENT0, gl.RGBA32UI], [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24]]) {
+    const made = gl.createRenderbuffer();
+    gl.bindRenderbuffer(gl.RENDERBUFFER, made);
+    gl.renderbufferStorage(gl.RENDERBUFFER, format, 1, 1);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, made);
+  }
+  return { frame, object: program("pick-vertex", "pick-fragment"), solid: program("solid-vertex", "pick-fragment"), plane: program("plane-vertex", "pick-fragment") };
+}
+// The obstacle at a place of the canvas, or the parameters there of the object; null where there is nothing that can be held.
+function pick(x, y) {
+  picker ||= build_picker();
+  const ratio = canvas.width / canvas.clientWidth, common = { camera: camera_matrix(camera_frame()), points: 0 };
+  gl.bindFramebuffer(gl.FRAMEBUFFER, picker.frame);
+  gl.viewport(-Math.floor(x * ratio), Math.floor(y * ratio) + 1 - canvas.height, canvas.width, canvas.height);
+  gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
+  gl.clearBufferfv(gl.DEPTH, 0, [1]);
+  gl.enable(gl.DEPTH_TEST);
+  bind(0, points);
+  use(picker.object, { ...common, number: 1 });
+  gl.bindVertexArray(object.array);
+  gl.drawElements(gl.TRIANGLES, object.count, gl.UNSIGNED_INT, 0);
+  if (state.obstacles) obstacles.forEach((each, n) => {
+    const form = solids.forms[n - run.planes.length];
+    if (!form && each.floor && part_of(each) !== chosen) return;   // a floor is everywhere: it is held once it is chosen in the list
+    use(form ? picker.solid : picker.plane, { ...common, ...each.now, number: n + 2 });
+    gl.bindVertexArray(form ? form.array : planes.array);
+    if (form) gl.drawElements(gl.TRIANGLES, form.count, gl.UNSIGNED_INT, 0); else gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+  });
+  const found = new Uint32Array(4), at = new Float32Array(found.buffer, 0, 3);
+  gl.readPixels(0, 0, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, found);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  return found[3] === 0 ? null : found[3] === 1 ? { uvw: [...at] } : { obstacle: obstacles[found[3] - 2], at: [...at] };
+}
+const part_of = obstacle => live.open.parts.findIndex(part => part.label === obstacle.name && !part.held.length);
+
+// The weights of the control points along an axis, as view.glsl has them, in double precision.
+function along(s, n, basis) {
+  const b = Array(n).fill(0);
+  if (basis === 1) {
+    const first = Math.min(Math.max(Math.floor(s), 0), n - 4), c = [1, 0, 0, 0];
+    for (let m = 1; m < 4; m++) {
+      let rising = 0;
+      for (let r = 0; r < m; r++) {
+        const low = Math.max(first + 1 - m + r, 0), high = Math.min(first + r + 1, n - 3), part = c[r] / (high - low);
+        c[r] = rising + (high - s) * part;
+        rising = (s - low) * part;
+      }
+      c[m] = rising;
+    }
+    c.forEach((x, r) => { b[first + r] = x; });
+    return b;
+  }
+  const wide = basis === 2 ? 4 : n, first = basis === 2 ? 3 * Math.min(Math.max(Math.floor(s), 0), n / 3 - 1 | 0) : 0, t = s - first / (basis === 2 ? 3 : 1);
+  b[first] = 1;
+  for (let m = 1; m < wide; m++) {
+    let carried = 0;
+    for (let i = 0; i < m; i++) { const old = b[first + i]; b[first + i] = carried + (1 - t) * old; carried = t * old; }
+    b[first + m] = carried;
+  }
+  return b;
+}
+function weights_at(uvw) {
+  const [x, y, z] = uvw.map((s, a) => along(s, run.counts[a], run.bases[a])), weights = [];
+  for (let k = 0; k < NZ; k++) for (let j = 0; j < NY; j++) for (let i = 0; i < NX; i++) {
+    const w = x[i] * y[j] * z[k];
+    if (Math.abs(w) > 1e-9) weights.push([i + NX * (j + NY * k), w]);
+  }
+  return weights;
+}
+function place_of(weights) {
+  let x = 0, y = 0, z = 0;
+  for (const [p, w] of weights) { x += w * now.points[3 * p]; y += w * now.points[3 * p + 1]; z += w * now.points[3 * p + 2]; }
+  return [x, y, z];
+}
+const world = at => at.map((x, a) => x + centre[a]);
+// The pull at a place of the object: as stiff and as damped as stays stable with the mass that is felt there.
+function pull(weights, target) {
+  const mass = 1 / weights.reduce((sum, [p, w]) => sum + w * w / live.masses[p], 0), stiffness = Math.min(live.pull.stiffness, 0.15 * mass / (h * h));
+  return { weights, target: world(target), stiffness, damping: Math.min(1.4 * Math.sqrt(stiffness * mass), 0.3 * mass / h), most: live.pull.most };
+}
+
+// ---- pointers --------------------------------------------------------------------------------------------------------
+function ray({ clientX, clientY }) {
+  const { left, top, width, height } = canvas.getBoundingClientRect(), { eye, back, right, above } = camera_frame(), tall = Math.tan(FOV / 2);
+  const x = clientX - left, y = clientY - top, sx = (2 * x / width - 1) * tall * width / height, sy = (1 - 2 * y / height) * tall;
+  return { x, y, eye, back, way: unit(plus(plus(back.map(b => -b), sx, right), sy, above)) };
+}
+const in_picture = ({ eye, way, back }, at) => plus(eye, dot(plus(at, -1, eye), back) / dot(way, back), way);
+// The place of a line that is nearest to a ray.
+function on_line({ eye, way }, at, normal) {
+  const between_them = plus(at, -1, eye), b = dot(normal, way);
+  return plus(at, (b * dot(way, between_them) - dot(normal, between_them)) / Math.max(1 - b * b, 1e-3), normal);
+}
+function pin_near(r) {
+  const m = camera_matrix(camera_frame()), near = ([x, y, z]) => {
+    const [cx, cy, , cw] = [0, 1, 2, 3].map(i => m[i] * x + m[4 + i] * y + m[8 + i] * z + m[12 + i]);
+    return Math.hypot((cx / cw + 1) / 2 * canvas.clientWidth - r.x, (1 - cy / cw) / 2 * canvas.clientHeight - r.y);
+  };
+  for (const [part, { held }] of live.open.parts.entries()) {
+    const at = held.map(p => now.points.subarray(3 * p, 3 * p + 3)).find(place => near(place) < 14);
+    if (at) return { part, at: in_picture(r, at) };
+  }
+  return null;
+}
+function grip_at(e) {
+  const r = ray(e), found = pick(r.x, r.y), pin = pin_near(r);
+  if (pin) return pin;
+  if (found?.uvw) { const weights = weights_at(found.uvw); return { weights, at: place_of(weights) }; }
+  const part = found ? part_of(found.obstacle) : -1;
+  const normal = found && run.planes.includes(found.obstacle) && !(e.altKey || state.sideways) ? found.obstacle.now.normal : null;
+  return part < 0 ? null : { part, at: found.at, normal };
+}
+Object.assign(source, {
+  press(e, fingers) {
+    if (grip || fingers > 1) return source.release(grip && { pointerId: grip.id });   // a second finger: the view is meant
+    if (failed || !now.outputs || e.button !== 0 || e.shiftKey || !(grip = grip_at(e))) return;
+    Object.assign(grip, { id: e.pointerId, start: grip.weights ? null : now.parts[grip.part].map((x, a) => x - centre[a]) });
+    canvas.style.cursor = "grabbing";
+    if (grip.part !== undefined) choose(grip.part);
+    if (!state.playing) tell("Paused: it moves while the simulation plays, or step by step");
+    source.drag(e);
+  },
+  drag(e) {
+    if (grip?.id !== e.pointerId) return false;
+    const r = ray(e), to = grip.normal ? on_line(r, grip.at, grip.normal) : in_picture(r, grip.at);
+    hand = grip.weights ? pull(grip.weights, to) : { part: grip.part, target: world(plus(grip.start, 1, plus(to, -1, grip.at))) };
+    show();
+    return true;
+  },
+  release(e) {
+    if (!grip || grip.id !== e?.pointerId) return;
+    grip = hand = null;
+    canvas.style.cursor = "";
+    show();
+  },
+});
+
+// ---- keys: what is chosen in the list of obstacles, pins and places goes where the arrows say -----------------------------
+function nudge(n, key, far) {
+  const { right, above } = camera_frame(), way = (far ? 0.1 : 0.02) * run.radius, part = live.open.parts[n];
+  const plane = part && run.planes.find(each => part_of(each) === n), [dx, dy] = ARROWS[key];
+  const up = plane && !state.sideways ? (dot(plane.now.normal, above) < 0 ? plane.now.normal.map(x => -x) : plane.now.normal) : above;
+  const from = part ? (hand?.part === n ? hand.target : now.parts[n]).map((x, a) => x - centre[a])
+    : hand?.weights ? hand.target.map((x, a) => x - centre[a]) : place_of(weights_at(live.places[n - live.open.parts.length].uvw));
+  const to = plus(plus(from, dx * way, plane && !state.sideways ? [0, 0, 0] : right), -dy * way, up);
+  hand = part ? { part: n, target: world(to) } : pull(weights_at(live.places[n - live.open.parts.length].uvw), to);
+  show();
+}
+function let_go() { grip = hand = null; show(); }

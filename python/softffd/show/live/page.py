@@ -1,0 +1,93 @@
+"""The live page: one HTML file with the renderer of the replay, the component in WebAssembly, and a worker that steps it.
+
+`worker.js` steps the component, `source.js` keeps the page's clock, `hand.js` finds what is under the pointer, `contact.js` what touches;
+`cells.js` has the colours of stress, `panel.js` the controls. Of the scene's variables they know what `described.py` writes.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import shlex
+from pathlib import Path
+
+import numpy as np
+
+from softffd.files import write_text
+from softffd.installed import wasm_library
+from softffd.lattice import to_flat
+from softffd.run.progress import Note, silent
+from softffd.run.result import Result
+from softffd.run.simulate import Progress, simulate
+from softffd.scene.document import SHIPPED
+from softffd.scene.scene import Scene, scene_of
+from softffd.show.live.described import Described
+from softffd.show.live.scene import live_scene
+from softffd.show.stage import GLANCES, stage_of
+from softffd.show.template import text_of
+from softffd.show.tension import cells_of
+from softffd.show.touch import INK, LONGEST, MARK, NEAR
+from softffd.show.view import as_json, largest, page_of, scenery
+
+HERE = "softffd.show.live"
+SCRIPTS = ("source.js", "hand.js", "contact.js", "panel.js", "cells.js")
+LEAST_SCALE = 0.1  # end of a colour scale: strain, or share of the object's size
+
+
+def write_live(scene: Scene | str | Path, path: str | Path, *, stage: Note = silent, progress: Progress | None = None) -> Path:
+    """Writes the page in which a scene is simulated to `path`; returns the path.
+
+    scene: a scene, the path of its file, or the name of a shipped one. Its own run, with the inputs beside its file, says what is in view.
+    stage: is told what is being done; progress: how far that run is, as in `simulate`. Raises SoftffdError where this installation has no
+    library for web pages.
+    """
+    library = wasm_library()
+    scene = scene_of(scene, "write_live")
+    stage("simulating, to see how much room it takes")
+    run = simulate(scene.replace({"outputs.positions": "all"}), inputs=scene.default_inputs, progress=progress)
+    stage(f"writing {Path(path).name}")
+    write_text(path, live_page(scene, run, library.read_bytes()))
+    return Path(path)
+
+
+def live_page(scene: Scene, result: Result, library: bytes) -> str:
+    """The page itself. result: a run of the scene; library: the component in WebAssembly."""
+    stage = stage_of(result)
+    frames = np.unique(np.linspace(0, len(stage.time) - 1, GLANCES).astype(int))
+    described = Described(live_scene(scene), stage)
+    size, scales = float(stage.size.max()), largest(stage, frames)
+    run = {
+        **scenery(stage, np.array([0]), scene.loaded_mesh),
+        "note": "",
+        "rows": described.rows(),
+        "largest": {"displacement": max(scales["displacement"], LEAST_SCALE * size), "strain": max(scales["strain"], LEAST_SCALE)},
+        "cells": [{"name": each.name, "words": each.words, "unit": each.unit, "ends": each.ends} for each in cells_of(result, frames)],
+        "touch": {"mark": MARK, "outline": INK, "arrows": described.arrows(), "longest": LONGEST * float(np.linalg.norm(stage.size))},
+    }
+    live = {
+        "probes": described.probes(),
+        "sliders": described.sliders(),
+        "pull": described.pull(),
+        **described.material(),
+        "masses": [float(f"{each:.6g}") for each in described.masses],
+        "weight": described.weight,
+        "start": (to_flat(stage.positions[:1])[0] - stage.centre).round(6).ravel().tolist(),
+        "near": 3 * NEAR * float(np.linalg.norm(stage.size)),
+        "meets": scene.contact.of,
+        "solids": [{"kind": each.part.kind, "size": each.shape().size} for each in scene.solids],
+        "command": f"softffd run {shlex.quote(scene.name if scene.path.parent == SHIPPED else scene.path.name)} --input",
+        "open": described.opened(),  # last: by now it has all that the others are about
+    }
+    texts = {
+        "wasm": base64.b64encode(gzip.compress(library, 9, mtime=0)).decode("ascii"),
+        "worker": text_of("softffd.show", "live_component.js") + text_of(HERE, "worker.js"),
+    }
+    blocks = [f'<script type="text/plain" id="{name}">{text}</script>\n' for name, text in texts.items()]
+    return page_of(
+        run,
+        source="".join(text_of(HERE, script) for script in SCRIPTS),
+        policy=" 'wasm-unsafe-eval'; worker-src blob:",
+        style=text_of(HERE, "live.css"),
+        panel=text_of(HERE, "panel.html"),
+        data="".join([f'<script type="application/json" id="live">{as_json(live)}</script>\n', *blocks]),
+    )

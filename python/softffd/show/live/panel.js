@@ -1,0 +1,79 @@
+// ---- the panel: what can be held, the parameters, moments that are kept, and the recording --------------------------
+let chosen = null;                                     // what the arrow keys move: an obstacle or pin, or behind these a place of the object
+live.places = [...live.probes, { label: "object", uvw: run.counts.map((n, a) => run.bases[a] === 1 ? (n - 3) / 2 : run.bases[a] === 2 ? n / 3 / 2 : 0.5) }];
+const small = () => matchMedia("(max-width: 900px), (max-height: 480px)").matches;
+const sliders = live.sliders.map(slider => ({ ...slider }));
+
+function begin_panel() {
+  element("panel").open = !small();
+  element("panel").firstElementChild.onkeydown = e => { if (e.key === " ") e.stopPropagation(); };
+  const acts = {
+    step: () => step_frames(1), save: () => ask({ save: true }), restore: () => ask({ restore: true }), record: () => now.frame > 0 ? ask({ recording: true }) : tell("Nothing has been done yet"),
+    again() { let_go(); ask({ again: parameters_now() }); }, sideways: () => toggle("sideways"),
+  };
+  for (const [name, act] of Object.entries(acts)) element(name).onclick = act;
+  Object.assign(KEYS, { s: acts.save, b: () => element("restore").click(), a: acts.again, n: acts.sideways, w: acts.record, Escape: let_go });
+  [...live.open.parts, ...live.places].forEach(({ label }, n) => element("grips").append(grip_button(label, n)));
+  sliders.forEach(make_slider);
+}
+function grip_button(label, n) {
+  const button = Object.assign(document.createElement("button"), { textContent: label, title: "Arrow keys move it, with Shift farther; Escape lets go" });
+  button.setAttribute("aria-pressed", false);
+  button.onclick = () => choose(chosen === n ? null : n);
+  button.onkeydown = e => {
+    if (!ARROWS[e.key] || !now.outputs) return;
+    if (chosen !== n) choose(n);
+    nudge(n, e.key, e.shiftKey);
+    e.preventDefault();
+    e.stopPropagation();
+  };
+  return button;
+}
+function choose(n) {
+  if (n !== chosen && !grip) hand = null;
+  chosen = n;
+  [...element("grips").children].forEach((button, m) => button.setAttribute("aria-pressed", m === n));
+}
+function make_slider(slider) {
+  const label = document.createElement("label"), value = document.createElement("output"), { low, high, logarithmic } = slider;
+  const input = Object.assign(document.createElement("input"), { type: "range", min: 0, max: 1, step: "any" });
+  const share = v => logarithmic ? Math.log(v / low) / Math.log(high / low) : (v - low) / (high - low);
+  label.append(slider.label, value, input);
+  slider.show = v => {
+    slider.now = v;
+    input.value = share(v);
+    value.textContent = slider.unit ? quantity(+v.toPrecision(3), slider.unit) : NUMBERS.format(+v.toPrecision(3));
+    input.setAttribute("aria-valuetext", value.textContent);
+  };
+  input.onkeydown = e => { if (ARROWS[e.key]) e.stopPropagation(); };   // are its own
+  input.oninput = () => {
+    const s = +input.value;
+    slider.show(+(logarithmic ? low * (high / low) ** s : low + s * (high - low)).toPrecision(4));
+    send_parameters();
+  };
+  slider.show(slider.start);
+  element("sliders").append(label);
+}
+function parameters_now() {
+  const values = live.open.parameters.map(each => each.start);
+  for (const { now: v, start, parameters, factors } of sliders)
+    if (v !== start) parameters.forEach((n, i) => { values[n] = v * factors[i]; });
+  return values;
+}
+function send_parameters() {
+  for (let i = waiting_messages.length - 1; i >= 0; i--) if (waiting_messages[i].set) waiting_messages.splice(i, 1);
+  ask({ set: parameters_now() });
+}
+function set_sliders(values) {
+  for (const { show: put, parameters, factors } of sliders) {
+    const i = Math.max(factors.findIndex(factor => factor !== 0), 0);
+    put(values[parameters[i]] / (factors[i] || 1));
+  }
+}
+// A file of inputs for `softffd run`.
+function keep_recording(text) {
+  const name = `${run.title.replace(/\W+/g, "_").slice(0, 40)}.csv`, link = Object.assign(document.createElement("a"), { download: name });
+  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
+  link.click();
+  tell(`${name}: ${live.command} ${name} does the same, to the bit`);
+}

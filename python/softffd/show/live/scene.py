@@ -1,0 +1,41 @@
+"""The scene as its live page simulates it, and the recordings that the page saves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from softffd.scene.scene import Scene
+
+STEP = 1 / 480
+"""Longest communication step [s]: with longer ones, what is pulled by hand feels slack"""
+RECORDED = "# recorded by softffd live"
+"""How the first line of a recording begins"""
+
+
+def live_scene(scene: Scene) -> Scene:
+    """The same body with what a hand needs: forces on all control points, obstacles and pins that move, outputs to look at.
+
+    Its communication step is 1/480 s, or that of the scene where it is shorter. An obstacle that turns keeps its motion; one that inputs
+    move rests until it is taken hold of.
+    """
+    changes: dict[str, object] = {"inputs.forces": "all", "outputs.positions": "all", "outputs.reactions": True, "outputs.energy": True}
+    for part in (*scene.obstacles, *scene.pin):
+        if not np.any(getattr(part, "angular_velocity", 0.0)):
+            changes |= {f"{part.part}.motion": "input", f"{part.part}.inputs": None}
+            if part.motion == "input" and part.part.is_obstacle:
+                changes[f"{part.part}.velocity"] = None
+    step = min(scene.experiment.communication_step, STEP)
+    return scene.replace(changes | {"experiment.communication_step": step})
+
+
+def is_recording(path: str | Path) -> bool:
+    """Whether a file of inputs is a recording of a live page."""
+    try:
+        with Path(path).open(encoding="utf-8-sig") as stream:
+            return stream.readline().startswith(RECORDED)
+    except (OSError, UnicodeDecodeError):
+        return False

@@ -1,0 +1,179 @@
+"""The live page: what it holds, and that a recording of what a hand did runs natively to the same bits."""
+
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from scenes import box
+from softffd import load_scene, save_mesh, simulate
+from softffd.cli.command import main
+from softffd.cli.keep import run_scene_or_fmu
+from softffd.errors import SoftffdError
+from softffd.installed import wasm_library
+from softffd.mesh.mesh import Mesh
+from softffd.run.findings import reactions
+from softffd.show.live.described import Described
+from softffd.show.live.page import live_page, write_live
+from softffd.show.live.scene import is_recording, live_scene
+from softffd.show.stage import stage_of
+
+HOST = Path(__file__).parents[2] / "support" / "hosts" / "live_in_node.mjs"
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    """Live pages by scene, each written once."""
+    try:
+        wasm_library()
+    except SoftffdError:
+        pytest.skip("no WebAssembly library in this installation")
+    folder, written = tmp_path_factory.mktemp("pages"), {}
+
+    def page(name: str) -> Path:
+        if name not in written:
+            written[name] = write_live(name, folder / f"{name}.html")
+        return written[name]
+
+    return page
+
+
+def in_node(page: Path, messages: list[dict], folder: Path) -> list[dict]:
+    if shutil.which("node") is None:
+        pytest.skip("no node on this machine to run the worker with")
+    (folder / "messages.json").write_text(json.dumps(messages))
+    done = subprocess.run(["node", HOST, page, folder / "messages.json"], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return json.loads(done.stdout)
+
+
+def live_of(page: Path) -> dict:
+    return json.loads(re.search(r'id="live">(.*?)</script>', page.read_text("utf-8"))[1])
+
+
+def parts_by_name(live: dict) -> dict[str, int]:
+    return {part["label"]: n for n, part in enumerate(live["open"]["parts"])}
+
+
+def session(live: dict, part: str, target: list[float], slider: int, corner: int) -> list[dict]:
+    """Moves a part, pulls at a control point, changes a parameter at the start and on the way, saves and restores; then the recording."""
+    starts = [each["start"] for each in live["open"]["parameters"]]
+    stiffer, softer = [*starts], [*starts]
+    stiffer[slider] *= 2
+    softer[slider] /= 2
+    hand = {"part": parts_by_name(live)[part], "target": target}
+    most, size = live["pull"]["most"] / 20, live["open"]["most_speed"] / 3
+    pull = {"weights": [[corner, 0.75], [corner + 1, 0.25]], "stiffness": 10 * most / size, "damping": 0.0, "most": most}
+    pull["target"] = [x + 0.3 * size for x in live["open"]["centre"]]
+    long = {"budget": 1e9}
+    return [
+        {"set": stiffer}, {"run": 0.05, "hand": hand, **long}, {"set": softer}, {"run": 0.1, "hand": hand, **long}, {"save": True},
+        {"run": 0.15, "hand": None, **long}, {"set": starts}, {"run": 0.2, "hand": pull, **long}, {"restore": True},
+        {"run": 0.15, "hand": pull, **long}, {"run": 0.2, "hand": None, **long}, {"recording": True},
+    ]  # fmt: skip
+
+
+@pytest.mark.full
+def test_a_refused_step_leaves_all_as_it_was_and_the_run_goes_on(tmp_path, pages):
+    page = pages("bumper")  # whose plate may not go through the pin behind it
+    live = live_of(page)
+    hand = {"part": parts_by_name(live)["plate"], "target": [0.05, 0.05, -0.02]}
+    run = {"hand": None, "budget": 1e9}
+    again = {"again": [each["start"] for each in live["open"]["parameters"]]}
+    messages = [{"run": 0.02, **run}, {"run": 1, "hand": hand, "budget": 1e9}, {"run": 0.04, **run}, again, {"run": 0.04, **run}]
+    before, refused, after, begun, same = in_node(page, messages, tmp_path)[1:]
+    assert "a pinned control point is behind an obstacle plane" in refused["refused"]
+    assert [each["frame"] for each in (before, refused, after, begun, same)] == [0.02, 0.02, 0.04, 0, 0.04]
+    assert after["points"] == same["points"] and after["outputs"] == same["outputs"]
+
+
+@pytest.mark.short("press")
+@pytest.mark.parametrize("name", ["press", "car_ball", "hanging", "bumper", "car_drop"])
+def test_a_recording_runs_natively_to_the_same_bits(tmp_path, pages, name):
+    page = pages(name)
+    live = live_of(page)
+    parts = live["open"]["parts"]
+    part = {"press": "press", "car_ball": "ball"}.get(name, parts[-1]["label"])
+    target = np.array(parts[parts_by_name(live)[part]]["point"]) - 0.05 * live["open"]["most_speed"] / 3
+    answers = in_node(page, session(live, part, target.tolist(), 0, 21), tmp_path)
+    recording = tmp_path / "recording.csv"
+    recording.write_text(answers[-1]["recording"])
+    last = answers[-2]
+    result = run_scene_or_fmu(name, inputs=recording)
+    assert is_recording(recording) and result.time[-1] == last["frame"]
+    shown = (result.positions[-1].transpose(2, 1, 0, 3).reshape(-1, 3) - live["open"]["centre"]).astype("f4")
+    assert (np.array(last["points"], "f4").reshape(-1, 3) == shown).all()
+    for row in (row for row in rows_of(page) if row["kind"] == "reaction"):
+        force = next(force for found, force in reactions(result).items() if found.name == row["label"])
+        assert [last["outputs"][n] for n in row["at"]] == force[-1].tolist()
+    assert any(values.any() for key, values in result.inputs.items() if key.startswith("force"))
+
+
+def test_a_page_of_ten_thousand_triangles_is_below_two_megabytes(tmp_path):
+    """Whatever the library is: this one packs into as much as the built one."""
+    sphere = trimesh.creation.uv_sphere(count=[51, 51])
+    assert len(sphere.faces) > 10_000
+    save_mesh(Mesh(sphere.vertices, sphere.faces), tmp_path / "ball.obj")
+    scene = box(
+        mesh={"file": tmp_path / "ball.obj"},
+        contact={"of": "surface"},
+        plane=[{"name": "ground", "point": [0, 0, -1]}],
+        gravity=[0, 0, -9.81],
+    )
+    noise = np.random.default_rng(0).bytes(600_000)
+    page = live_page(scene, simulate(scene.replace({"outputs.positions": "all"}), stop_time=0.01), noise)
+    assert len(page.encode()) < 2e6
+
+
+def test_a_live_scene_moves_by_hand_what_does_not_turn():
+    planes = [
+        {"name": "belt", "velocity": [1.0, 0.0, 0.0]},
+        {"name": "press", "point": [0, 0, 2], "normal": [0, 0, -1], "velocity": [0, 0, -1], "motion": "input"},
+        {"name": "drum", "point": [0, 0, -1], "angular_velocity": [1.0, 0.0, 0.0]},
+    ]
+    scene = live_scene(box(plane=planes, pin=[{"name": "base", "points": "z-"}], communication_step=1e-3))
+    belt, press, drum = scene.plane
+    assert (belt.motion, press.motion, drum.motion, scene.pin[0].motion) == ("input", "input", "fixed", "input")
+    assert belt.velocity == (1.0, 0.0, 0.0) and press.velocity == (0.0, 0.0, 0.0)
+    assert scene.experiment.communication_step == 1e-3 and live_scene(load_scene("press")).experiment.communication_step == 1 / 480
+
+
+def test_a_slider_has_a_range_for_each_parameter():
+    body = {"stiffness": {"edge": 400.0, "face": 100.0, "body": 0.0}, "damping": 0.5, "internal_damping": 1e-3}
+    scene = live_scene(box(material=body, gravity=[0, 0, 0], plane=[{"name": "ground", "friction": 0.0}]))
+    run = simulate(scene, stop_time=0.01)
+    sliders = {each["label"]: each for each in Described(scene, stage_of(run)).sliders()}
+    assert list(sliders) == ["stiffness", "damping", "internal damping", "gravity", "ground friction"]
+    assert (sliders["stiffness"]["low"], sliders["stiffness"]["high"], sliders["stiffness"]["factors"]) == (40.0, 4000.0, [1.0, 0.25, 0.0])
+    assert sliders["gravity"]["high"] > 19 and sliders["gravity"]["factors"] == [0.0, 0.0, -1.0]
+    assert (sliders["ground friction"]["low"], sliders["ground friction"]["high"]) == (0.0, 1.0)
+
+
+def test_a_page_needs_the_library_for_web_pages_and_a_new_name(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("softffd.installed.WASM", "nowhere")
+    assert main(["live", "press"]) == 1
+    said = capsys.readouterr().err
+    assert "python3 python/run.py wasm" in said and "wheel" in said and not list(tmp_path.iterdir())
+    Path("live.html").write_text("mine")
+    assert main(["live", "press"]) == 1 and "--overwrite" in capsys.readouterr().err
+    assert Path("live.html").read_text() == "mine"
+
+
+def test_only_a_file_that_says_so_is_a_recording(tmp_path):
+    table = tmp_path / "table.csv"
+    table.write_text("time,plane.press.point.z\n0,1.05\n1,1.0\n")
+    assert not is_recording(table) and not is_recording(tmp_path / "nowhere.csv")
+    table.write_text("# recorded by softffd live: a box\n" + table.read_text())
+    assert is_recording(table)
+    result = run_scene_or_fmu("press", inputs=table, stop_time=0.05)
+    assert result.summary["communication_steps"] == 24 and "force[0,0,0].x" in result.inputs
+
+
+def rows_of(page: Path) -> list[dict]:
+    return json.loads(re.search(r'id="run">(.*?)</script>', page.read_text("utf-8"))[1])["rows"]

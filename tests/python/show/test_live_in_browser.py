@@ -1,0 +1,138 @@
+"""A hand on the live page, in headless Chromium: mouse, keys and fingers; and what it recorded, run natively."""
+
+import numpy as np
+import pytest
+
+from browser import CHROMIUM, Browser
+from softffd.cli.keep import run_scene_or_fmu
+from softffd.errors import SoftffdError
+from softffd.installed import wasm_library
+from softffd.show.live.page import write_live
+from softffd.show.tension import COLOURS
+
+ON_SCREEN = """(at => { const m = camera_matrix(camera_frame());
+  const [x, y, , w] = [0, 1, 2, 3].map(r => m[r] * at[0] + m[4 + r] * at[1] + m[8 + r] * at[2] + m[12 + r]);
+  return [(x / w + 1) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight]; })"""
+PRESS = "run.planes.find(plane => plane.name === 'press').now"
+EDGE = f"plus({PRESS}.centre, 0.95 * {PRESS}.extent[0] * {PRESS}.reach, {PRESS}.tangent)"
+HEIGHT = "now.parts[live.open.parts.findIndex(part => part.label === 'press')][2]"
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    if CHROMIUM is None:
+        pytest.skip("no chromium on this machine to look at the page with")
+    try:
+        wasm_library()
+    except SoftffdError:
+        pytest.skip("no WebAssembly library in this installation")
+    folder = tmp_path_factory.mktemp("pages")
+    return lambda name: write_live(name, folder / f"{name}.html")
+
+
+def ready(browser: Browser) -> Browser:
+    browser.wait_for("typeof source === 'object' && !!now.outputs")
+    return browser
+
+
+def on_screen(browser: Browser, place: str) -> list[float]:
+    return browser.ask(f"{ON_SCREEN}({place})")
+
+
+@pytest.mark.full
+def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, pages):
+    with Browser(pages("press"), tmp_path) as browser:
+        ready(browser)
+        edge, lower = on_screen(browser, EDGE), on_screen(browser, f"plus({EDGE}, 0.3, {PRESS}.normal)")
+        browser.drag(edge, lower)
+        assert browser.ask("hand.part") is not None
+        browser.wait_for(f"{HEIGHT} < 0.85")
+        browser.mouse("mouseReleased", *lower)
+        assert browser.wait_for("Math.hypot(...run.rows[1].at.map(n => now.outputs[n])) > 100")  # the press is pressed on
+        height = browser.wait_for(f"hand === null && {HEIGHT}")
+        browser.ask("element('save').click()")
+        browser.wait_for("!element('restore').disabled")
+        saved = browser.ask("now.frame")
+        before = browser.ask("camera.yaw")
+        browser.drag((30, 510), (90, 510))  # beside everything: turns
+        browser.mouse("mouseReleased", 90, 510)
+        assert browser.ask("camera.yaw") < before
+        middle = on_screen(browser, "middle_of_object()")
+        browser.drag(middle, [middle[0] + 60, middle[1]])
+        assert browser.wait_for("now.pull && Math.hypot(...now.pull) > 1")
+        browser.mouse("mouseReleased", *middle)
+        browser.ask("Object.assign(document.querySelector('#sliders input'), { value: 0.25 }).dispatchEvent(new Event('input'))")
+        assert browser.ask("document.querySelector('#sliders output').textContent") == "316.0 N/m"
+        browser.wait_for(f"now.frame > {saved} + 0.2")
+        browser.ask("element('restore').click()")
+        browser.wait_for(f"now.frame < {saved} + 0.2")
+        assert browser.ask("document.querySelector('#sliders output').textContent") == "1.000 kN/m"
+        browser.ask("element('panel').open = true")
+        browser.ask("[...element('grips').children].find(each => each.textContent === 'press').focus()")
+        for _ in range(4):
+            browser.key("ArrowUp")
+        browser.wait_for(f"{HEIGHT} > {height} + 0.05")
+        browser.key("Escape")
+        browser.ask("set_playing(false)")
+        browser.wait_for("asked === null")
+        time = browser.ask("now.frame")
+        browser.key(".")
+        browser.wait_for(f"now.frame > {time}")
+        shown = browser.ask(
+            "({ frame: now.frame, points: [...now.points], outputs: [...now.outputs], rows: run.rows.map(row => row.at), centre })"
+        )
+        browser.ask("keep_recording = text => { window.kept = text; }, element('record').click()")
+        (tmp_path / "recording.csv").write_text(browser.wait_for("window.kept"))
+        assert not browser.errors
+    result = run_scene_or_fmu("press", inputs=tmp_path / "recording.csv")
+    assert result.time[-1] == shown["frame"]
+    native = (result.positions[-1].transpose(2, 1, 0, 3).reshape(-1, 3) - shown["centre"]).astype("f4")
+    assert (np.array(shown["points"], "f4").reshape(-1, 3) == native).all()
+    for name, places in zip(("table", "press"), shown["rows"], strict=False):
+        assert [shown["outputs"][n] for n in places] == [result.outputs[f"plane.{name}.reaction.{c}"][-1] for c in "xyz"]
+
+
+@pytest.mark.full
+def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, pages):
+    with Browser(pages("press"), tmp_path, width=390, height=844, mobile=True) as browser:
+        ready(browser)
+        assert not browser.ask("element('panel').open")
+        edge, lower = on_screen(browser, f"plus({PRESS}.centre, -0.6 * {PRESS}.extent[0] * {PRESS}.reach, {PRESS}.tangent)"), None
+        lower = [edge[0], edge[1] + 60]
+        browser.touch("touchStart", edge)
+        browser.touch("touchMove", lower)
+        browser.wait_for(f"hand && {HEIGHT} < 1.0")
+        distance = browser.ask("camera.distance")
+        browser.touch("touchStart", lower, [lower[0] + 80, lower[1]])
+        browser.wait_for("hand === null")
+        browser.touch("touchMove", [lower[0] - 40, lower[1]], [lower[0] + 120, lower[1]])
+        browser.touch("touchEnd")
+        assert browser.wait_for(f"camera.distance < {distance}")
+        yaw = browser.ask("camera.yaw")
+        browser.touch("touchStart", [30, 640])
+        browser.touch("touchMove", [90, 640])
+        browser.touch("touchEnd")
+        assert browser.ask("camera.yaw") < yaw and browser.ask("hand") is None and not browser.errors
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("name", ["press", "car_drop", "beam", "stiff_layer"])
+def test_colours_of_cells_are_those_of_a_run(tmp_path, pages, name):
+    """Stress and stretch of a pulled body, to a step of the 255 of the scale."""
+    with Browser(pages(name), tmp_path, width=300, height=300) as browser:
+        ready(browser)
+        browser.ask("set_playing(false)")
+        browser.wait_for("asked === null && element('frame').textContent === 'paused'")
+        browser.ask("hand = pull(weights_at([0.9, 0.9, 0.9]), [run.radius, 0, 0]), ask({ run: now.frame + 20 * h, budget: 1e9, hand })")
+        browser.wait_for("asked === null && now.pull")
+        shares = [browser.ask(f"[...source.cells(run.cells[{n}])]") for n in range(2)]
+        cells = browser.ask("run.cells")
+        browser.ask("keep_recording = text => { window.kept = text; }, element('record').click()")
+        (tmp_path / "recording.csv").write_text(browser.wait_for("window.kept"))
+        assert not browser.errors
+    result = run_scene_or_fmu(name, inputs=tmp_path / "recording.csv")
+    for each, found in zip(cells, shares, strict=True):
+        low, high = each["ends"]
+        values = COLOURS[each["name"]][2](result, -1).transpose(2, 1, 0).ravel()
+        assert np.abs(np.array(found[::2]) - 255 * ((values - low) / (high - low)).clip(0, 1)).max() < 1.5
+        assert values.max() > low + 0.01 * (high - low) and not any(found[1::2])
