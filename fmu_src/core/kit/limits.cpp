@@ -30,10 +30,8 @@ namespace {
 double with_dashpots(const StepContext& context, double longest) {
   const auto work = [&](double h) { return step_work(context.model.body, context.run, Method::leapfrog, h) / h; };
   damping_bound(context);
-  double best = longest;
-  for (const Dashpots kind : {Dashpots::anew, Dashpots::carried})
-    if (const double h = longest_step(context.run.course, kind); h < longest && work(h) < work(best)) best = h;
-  return best;
+  const double carried = longest_carried(context.run.course);
+  return carried < longest && work(carried) < work(longest) ? carried : longest;
 }
 
 double spin(const Model& model, const Points& x, const Points& v) { return rigid_motion(model.body.mass, x, v).spin.norm(); }

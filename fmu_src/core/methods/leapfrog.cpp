@@ -71,15 +71,13 @@ Leapfrog::Leapfrog(int points, int planes)
 
 Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
   const bool dashpots = model.body.dashpots();
-  const Dashpots kind = dashpots ? dashpots_of(run, std::max(span.h, span.half_of)) : Dashpots::carried;
-  if (kind == Dashpots::solved) {
+  if (dashpots && !carries_velocities(run, std::max(span.h, span.half_of))) {
     if (!damped_) damped_ = std::make_unique<DampedLeapfrog>(model.body.points(), int(drive.planes.size()));
     return damped_->advance(model, drive, span, run);
   }
   if (model.body.samples && !drive.planes.empty() && !surface_)
     surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
   const Count before = impacts();
-  anew_ = kind == Dashpots::anew;
   if (dashpots && carried_.size() == 0) carried_ = forces_ = Points(before_.rows(), 3);
   kicks_.prepare(model.body, span.h);
   if (drive.ramped) drive.force_at(span.time(0), force_);
@@ -177,7 +175,7 @@ StepStatus Leapfrog::close(const StepView& view, Path& path, bool last) {
   }
   if (losses(view.body, view.around))
     exchange.dissipated += damping_loss(view.body, view.h, start_, state.v) + dashpot_loss(view, state, before_);
-  if ((anew_ || landed_) && view.body.dashpots()) take_dashpots(view.body, state, state.v);
+  if (landed_ && view.body.dashpots()) take_dashpots(view.body, state, state.v);
   return StepStatus::ok;
 }
 
@@ -189,7 +187,7 @@ void Leapfrog::renew_forces(const StepView& view, State& state, bool last) {
   const bool free = view.around.planes.empty();
   carried_ = 2 * state.v - before_;
   if (free) flat(carried_) -= (0.5 * view.h) * (body.inverse_mass * flat(state.spring));
-  if (free || last || anew_ || landed_ || losses(body, view.around)) body.internal_force(state.x, state.spring);
+  if (free || last || landed_ || losses(body, view.around)) body.internal_force(state.x, state.spring);
   if (free) flat(carried_) += (0.5 * view.h) * (body.inverse_mass * flat(state.spring));
   view.around.visit_pinned(view.t1, [&](const PinnedPoint& held) { set_row(carried_, held.point, held.velocity()); });
   if (free)

@@ -1,18 +1,15 @@
 /// Leapfrog (velocity Verlet): the central difference of Xia & Wang 2009, eq. (13), written in velocities, which keeps the digits that the
 /// recurrence in positions loses to round-off; second order, symplectic without damping, one force evaluation per step.
 ///
-/// Internal damping that is not strong is evaluated with the forces f, once a step, at velocities carried on from its middle to its end,
+/// Weak internal damping is evaluated with the forces f, once a step, at velocities carried on from its middle to its end,
 ///
 ///      v1 = v + (v - v0),      and where there are no obstacles      + (h / 2) (f1 - f0) / m,
 ///
 /// which err by what is of second order; with the last term by the damping alone, so that a vibration decays as it should. In contact
-/// they are those of the motion, whatever obstacles exert, and at rest exactly. The next step begins with these dashpots, or with those of
-/// its own velocities, anew: so it is at the beginning of a span and after a landing. Of a vibration that decays with the rate r such steps
-/// are stable while
-///
-///      carried:  w + z <= 1        anew:  w <= 1 - z/2 + z^2/4 (3/4 at least), z <= 2,        w = (omega h / 2)^2, z = r h,
-///
-/// and with the last term while w <= 1 and z is not above 1 or 2. Stronger damping is DampedLeapfrog's.
+/// they are those of the motion, whatever obstacles exert, and at rest exactly. The next step begins with these dashpots; at the beginning
+/// of a span and after a landing they are taken at the velocities themselves. Of a vibration that decays with the rate r such steps are
+/// stable while (omega h / 2)^2 + r h <= 1, where the polynomial of a step has a root at -1; with the last term while omega h <= 2 and
+/// r h <= 1. Stronger damping is DampedLeapfrog's.
 #pragma once
 #include <memory>
 
@@ -53,7 +50,6 @@ class Leapfrog final : public Integrator {
   std::vector<Count> keep_until_;            ///< (blocks) step up to which what lies between kicks is kept
   Count any_until_ = -1;                     ///< of any
   bool landed_ = false;                      ///< a point came onto an obstacle in this step
-  bool anew_ = false;                        ///< every step takes the dashpots at its own beginning anew
   std::unique_ptr<SurfaceContact> surface_;  ///< for bodies with samples of their surface
   std::unique_ptr<DampedLeapfrog> damped_;   ///< for bodies with internal damping; most have none
 };

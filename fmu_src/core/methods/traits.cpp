@@ -52,27 +52,20 @@ bool takes_solid(Method method, const Lattice& lattice) {
   return method != Method::central_difference && (!is_implicit(method) || LatticeMatrix::exists(lattice));
 }
 
-/// Where (omega h / 2)^2 + rate h is the share; where (omega h / 2)^2 is that of 3/4, or rate h of 2.
-double longest_step(const Course& course, Dashpots kind) {
-  if (kind == Dashpots::solved) return infinity;
+/// Where (omega h / 2)^2 + rate h is the share.
+double longest_carried(const Course& course) {
   if (course.bound < 0) return 0;
   const double rate = course.damping_bound, square = 0.25 * course.bound * course.bound;
-  if (kind == Dashpots::anew) return std::min(std::sqrt(0.75 * stable_share / square), 2 * stable_share / rate);
   return 2 * stable_share / (rate + std::sqrt(rate * rate + 4 * stable_share * square));
 }
 
 /// Steps that are counted give the same however the time is cut: what one hands on to the next would not.
-Dashpots dashpots_of(const Run& run, double h) {
-  const auto short_enough = [&](Dashpots kind) { return h <= (1 + 1e-9) * longest_step(run.course, kind); };
-  if (run.path.clock.unit == 0 && short_enough(Dashpots::carried)) return Dashpots::carried;
-  return short_enough(Dashpots::anew) ? Dashpots::anew : Dashpots::solved;
-}
+bool carries_velocities(const Run& run, double h) { return run.path.clock.unit == 0 && h <= (1 + 1e-9) * longest_carried(run.course); }
 
 double step_work(const Body& body, const Run& run, Method method, double h) {
   const double work = traits(method).work;
   if (method != Method::leapfrog || !body.dashpots()) return work;
-  const Dashpots kind = dashpots_of(run, h);
-  return work + (kind == Dashpots::carried ? 1 : kind == Dashpots::anew ? 2 : 2 * DampedKick::products(body, 0.5 * h));
+  return work + (carries_velocities(run, h) ? 1 : 2 * DampedKick::products(body, 0.5 * h));
 }
 
 /// Measured: springs of 4 to 16 points an axis (conjugate gradients: 30 iterations of 3.3 to 3.8 evaluations each); solids from one patch

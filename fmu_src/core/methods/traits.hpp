@@ -28,11 +28,10 @@ struct Traits {
 
 const Traits& traits(Method method);
 
-/// How leapfrog takes dashpots: by velocities carried on from the step before, from its own beginning on, or by solving for them
-/// (methods/leapfrog.hpp, damped_leapfrog.hpp). The longest step of a kind [s], and the kind of one of length h.
-enum class Dashpots { carried, anew, solved };
-double longest_step(const Course& course, Dashpots kind);
-Dashpots dashpots_of(const Run& run, double h);
+/// The longest step of leapfrog that carries velocities on for the dashpots, rather than solve for them, and whether one of length h does
+/// [s] (methods/leapfrog.hpp).
+double longest_carried(const Course& course);
+bool carries_velocities(const Run& run, double h);
 /// Work of an explicit step of length h of this body, in evaluations of the spring forces.
 double step_work(const Body& body, const Run& run, Method method, double h);
 

@@ -28,16 +28,13 @@ Result run_with(const Scene& s, int steps) {
   return run_method(method, s, steps);
 }
 
-/// By leapfrog that takes the dashpots in a way that is not its choice by the length of the steps.
-template <Dashpots kind>
-Result run_with_dashpots(const Scene& s, int steps, bool watch = true) {
+/// By leapfrog that carries velocities on for the dashpots, however long its steps.
+inline Result run_carrying(const Scene& s, int steps, bool watch) {
   Leapfrog method(s.body.points(), int(s.around.planes.size()));
   Run known;
   known.course.bound = known.course.damping_bound = 0;
-  known.path.clock.unit = kind == Dashpots::anew ? s.duration / steps : 0;
   return run_method(method, s, steps, watch, known);
 }
-constexpr auto run_carrying = run_with_dashpots<Dashpots::carried>, run_anew = run_with_dashpots<Dashpots::anew>;
 
 /// Steps whose forces, kicks and drift are one pass have the bits of those that are watched at every kick.
 template <class Method>
