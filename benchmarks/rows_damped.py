@@ -112,7 +112,7 @@ of_scene(
 
 
 def explicit_step(name: str, material: dict[str, Any], **sections: Any) -> None:
-    """A row for an explicit step with an internal damping of 10 us, of the length that the program chooses, while the body lies on a plane."""
+    """A row for an explicit step with an internal damping of 10 us: of a length that the program chooses, of a body that slides."""
 
     @row("damped contact", f"an explicit step, {name}", "without internal damping", goal=2.3)
     def damped() -> Iterator[Pair]:
