@@ -55,6 +55,22 @@ of_size(16)
 of_size(32, goal=1.0)
 
 
+def of_solid(side: int, goal: float) -> None:
+    """A row for a solid of side x side x side points: an explicit step against that of springs."""
+
+    @row("steps", f"an explicit step of a solid, {side}^3", "of springs", goal=goal)
+    def solid() -> Iterator[Pair]:
+        count, material = steps_of(side), {"model": "solid", "youngs_modulus": 10.0, "poissons_ratio": 0.45, "density": 1.0}
+        solid = box(side, material=material | {"stiffness": None}, mass={"total": None}, lattice={"basis": "patches"})
+        with Simulation(solid) as own, Simulation(box(side)) as base:
+            yield Pair(lambda: own.step(count * STEP), lambda: base.step(count * STEP), per=count)
+
+
+of_solid(4, goal=0.85)
+of_solid(7, goal=0.95)
+of_solid(16, goal=1.25)
+
+
 def of_two_threads(name: str, together: int, goal: float | None = None) -> None:
     """A row for 32^3 points with two threads: 100 internal steps, so many of them in a communication step."""
 
