@@ -97,7 +97,8 @@ def _words(draft: Draft) -> Iterator[Fault]:
     }
     for path, (got, wanted) in choices.items():
         if got not in wanted:
-            yield Fault(path, f"wanted {either(wanted)} beside {SOLID}, got {toml_text(got)}")
+            wide = f"; at most {WIDEST // PATCH} points across the longest axis, as 10 x 10, have it too" if got in IMPLICIT else ""
+            yield Fault(path, f"wanted {either(wanted)} beside {SOLID}, got {toml_text(got)}{wide}")
 
 
 def _density(draft: Draft) -> Iterator[Fault]:
