@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 ALL = {"positions": "all", "velocities": "all", "reactions": True, "energy": True, "solver": True}
 EVERYTHING = {f"outputs.{key}": value for key, value in ALL.items()}
 CASES = {
-    **{scene: {} for scene in ("pad", "press", "car_drop", "hanging", "car_bump")},
+    **{name: {} for name in ("pad", "press", "car_drop", "hanging", "car_bump")},
     "pad by damped kicks": {"solver.method": "leapfrog", "experiment.stop_time": 0.2},  # exp and cos
     "standard with threads": {"solver.threads": 3},  # there are none in WebAssembly
 }
