@@ -74,14 +74,6 @@ struct Body {
   void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const {
     for (const auto& each : energies) each->add_dashpot_force(x, v, f, drift);
   }
-  /// f = forces of all energies at x and of their dashpots on points that move with v [N].
-  void damped_force(const Points& x, const Points& v, Points& f) const {
-    energies.front()->set_damped_force(x, v, f);
-    for (std::size_t i = 1; i < energies.size(); ++i) {
-      energies[i]->add_force(x, f);
-      energies[i]->add_dashpot_force(x, v, f);
-    }
-  }
   /// What the dashpots take of points at x that move with v [W].
   double dashpot_power(const Points& x, const Points& v) const {
     return sum([&](const Energy& each) { return each.dashpot_power(x, v); });

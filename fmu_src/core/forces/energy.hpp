@@ -117,11 +117,6 @@ class Energy {
   /// drift [s] they go by the mean rate of their lengths while all points go straight on for that time, or have come straight for it
   /// (negative).
   virtual void add_dashpot_force(const Points&, const Points&, Points&, double = 0) const {}
-  /// f = the forces at x and what the dashpots exert on points that move with v [N].
-  virtual void set_damped_force(const Points& x, const Points& v, Points& f) const {
-    set_force(x, f);
-    add_dashpot_force(x, v, f);
-  }
   /// What the dashpots take of points at x that move with v [W].
   virtual double dashpot_power(const Points&, const Points&) const { return 0; }
   /// Bound of the rate at which the dashpots change velocities at x [1/s]. 0 where longest_time() times the largest squared frequency in

@@ -214,11 +214,6 @@ void Solid::add_dashpot_force(const Points& x, const Points& v, Points& f, doubl
   if (time_ > 0) kernels::subtract_viscous(body_, time_, drift, x.data(), v.data(), f.data());
 }
 
-void Solid::set_damped_force(const Points& x, const Points& v, Points& f) const {
-  f.setZero();
-  kernels::subtract_damped(body_, time_, x.data(), v.data(), f.data());
-}
-
 double Solid::dashpot_power(const Points& x, const Points& v) const {
   return time_ > 0 ? time_ * kernels::viscous_power(body_, x.data(), v.data()) : 0;
 }

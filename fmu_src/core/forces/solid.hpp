@@ -81,7 +81,6 @@ class Solid final : public Energy {
   double shortest_time() const override { return time_; }
   double longest_time() const override { return time_; }
   void add_dashpot_force(const Points& x, const Points& v, Points& f, double drift = 0) const override;
-  void set_damped_force(const Points& x, const Points& v, Points& f) const override;
   double dashpot_power(const Points& x, const Points& v) const override;
   /// The state of the material at a place while the nodes are at x.
   MaterialState at(const SolidPlace& place, const Points& x) const;

@@ -94,37 +94,19 @@ INNER void subtract_divergences(const SolidBody& body, const Rows<n>* P, double*
   for (int c = 0; c < 3; ++c) subtract_divergence<n>(body, P + 3 * c, f + c * body.points);
 }
 
-/// The energy's gradient, and with velocities v what viscosity of this time exerts.
-template <int n, bool damped>
-INNER void subtract_force(const SolidBody& body, double time, const double* x, const double* v, double* f) {
+template <int n>
+INNER void elastic(const SolidBody& body, const double* x, double* f) {
   each_patch(body, [&](std::ptrdiff_t at) INLINED {
-    Rows<n> F[9], G[damped ? 9 : 1], q, t;
+    Rows<n> F[9], q, t;
     gradients<n>(body, x + at, F);
-    if constexpr (damped) {
-      gradients<n>(body, v + at, G);
-      viscous_stress<n>(body, time, 0, F, G);
-    }
     volumes<n>(body, F, q, t);
     for (int r = 0; r < rows; ++r) {
       const Nine<n> here = row_of<n>(F, r), c = cofactors(here);
       const Four<n> w = load_four<n>(body.shape.weight[r]), mu = body.mu * w, p = w * pressure<n>(body, q[r], t[r]).p;
-      for (int i = 0; i < 9; ++i) {
-        F[i][r] = mu * here.m[i] + p * c.m[i];
-        if constexpr (damped) F[i][r] = F[i][r] + w * G[i][r];
-      }
+      for (int i = 0; i < 9; ++i) F[i][r] = mu * here.m[i] + p * c.m[i];
     }
     subtract_divergences<n>(body, F, f + at);
   });
-}
-
-template <int n>
-INNER void elastic(const SolidBody& body, const double* x, double* f) {
-  subtract_force<n, false>(body, 0, x, nullptr, f);
-}
-
-template <int n>
-INNER void damped(const SolidBody& body, double time, const double* x, const double* v, double* f) {
-  subtract_force<n, true>(body, time, x, v, f);
 }
 
 template <int n>
@@ -396,7 +378,6 @@ INNER void bounds(const SolidBody& body, const double* x, PatchBounds* each) {
 }  // namespace patch
 
 decltype(subtract_elastic) subtract_elastic = chosen<patch::elastic<2>, patch::elastic<4>>();
-decltype(subtract_damped) subtract_damped = chosen<patch::damped<2>, patch::damped<4>>();
 decltype(subtract_viscous) subtract_viscous = chosen<patch::viscous<2>, patch::viscous<4>>();
 decltype(subtract_tangent) subtract_tangent = chosen<patch::tangent<2>, patch::tangent<4>>();
 decltype(patch_matrix) patch_matrix = chosen<patch::matrix<2>, patch::matrix<4>>();

@@ -44,8 +44,6 @@ struct SolidBody {
 extern void (*const subtract_elastic)(const SolidBody& body, const double* x, double* f);
 /// f -= what viscosity of this time [s] exerts at velocities v; drift: forces/energy.hpp.
 extern void (*const subtract_viscous)(const SolidBody& body, double time, double drift, const double* x, const double* v, double* f);
-/// Both, without drift.
-extern void (*const subtract_damped)(const SolidBody& body, double time, const double* x, const double* v, double* f);
 /// f -= (second derivatives at x + per_time times the viscosity's matrix) u. softening: of what the pressure at a node takes from the
 /// stiffness beyond what a rotation needs, from 0 to 1.
 extern void (*const subtract_tangent)(const SolidBody& body, double softening, double per_time, const double* x, const double* u,

@@ -29,7 +29,8 @@ StepStatus run_implicit(Integrators& integrators, const StepContext& context, Me
   path.clock = {begin, H / double(steps), 0};
   // Where it finds no way, a step may take as long as explicit steps would, which are tried with several sizes and cost more in contact.
   const double longest = step_limit(context, Method::leapfrog, false);
-  const double explicit_work = use::doubled_work * step_work(context.model.body, context.run, Method::leapfrog, longest) * path.clock.h / longest;
+  const double explicit_work =
+      use::doubled_work * step_work(context.model.body, context.drive, context.run, Method::leapfrog, longest) * path.clock.h / longest;
   const double most_work = std::max(explicit_work, use::buckling_work);
   for (Count i = 0; i < steps; ++i) {
     const double next = i + 1 == steps ? end : path.clock.origin + double(i + 1) * path.clock.h;

@@ -62,9 +62,7 @@ Outcome Integrators::take(const StepContext& context, Method method, const Span&
   if (budget_.spent()) return outcome;
   const Count& contacts = context.run.path.exchange.contacts_resolved;
   const Count before = contacts;
-  Span within_budget = span;
-  within_budget.budget = budget_.left();
-  outcome = take_span(context, method, within_budget);
+  outcome = take_span(context, method, {span.origin, span.first, span.h, span.steps, span.most_work, budget_.left(), span.way, span.again});
   budget_.spend(std::max(outcome.work, outcome.spent) +
                 double(contacts - before) * thresholds::contact_work * thresholds::patience(context.model.body.points()));
   if (outcome.status == StepStatus::ok && !tells_apart(context)) outcome.status = StepStatus::not_finite;
@@ -85,7 +83,8 @@ Outcome Integrators::take_span(const StepContext& context, Method method, const 
     total.error = worse(total.error, step.error);
     if (passes(context, method, span.time(i), span.h, x0_, v0_, motion.x, motion.v)) total.status = StepStatus::contact_ahead;
   }
-  if (!traits(method).error_control()) total.work = double(span.steps) * step_work(context.model.body, context.run, method, span.h);
+  if (!traits(method).error_control())
+    total.work = double(span.steps) * step_work(context.model.body, context.drive, context.run, method, span.h);
   return total;
 }
 

@@ -26,12 +26,12 @@ constexpr double frame_angle = 1;
 
 namespace {
 
-/// Leapfrog's: shorter steps that need not solve for the dashpots where these are less work than the longest.
+/// Leapfrog's: shorter steps that carry velocities on for the dashpots where these are less work than the longest.
 double with_dashpots(const StepContext& context, double longest) {
-  const auto work = [&](double h) { return step_work(context.model.body, context.run, Method::leapfrog, h) / h; };
-  damping_bound(context);
-  const double carried = longest_carried(context.run.course);
-  return carried < longest && work(carried) < work(longest) ? carried : longest;
+  const auto work = [&](double h) { return step_work(context.model.body, context.drive, context.run, Method::leapfrog, h) / h; };
+  bound(context);
+  const double carried = longest_carried(context.drive, context.run);
+  return 0 < carried && carried < longest && work(carried) < work(longest) ? carried : longest;
 }
 
 double spin(const Model& model, const Points& x, const Points& v) { return rigid_motion(model.body.mass, x, v).spin.norm(); }

@@ -71,7 +71,7 @@ Leapfrog::Leapfrog(int points, int planes)
 
 Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
   const bool dashpots = model.body.dashpots();
-  if (dashpots && !carries_velocities(run, std::max(span.h, span.half_of))) {
+  if (dashpots && !carries_velocities(drive, run, span.h)) {
     if (!damped_) damped_ = std::make_unique<DampedLeapfrog>(model.body.points(), int(drive.planes.size()));
     return damped_->advance(model, drive, span, run);
   }
@@ -82,7 +82,7 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
   kicks_.prepare(model.body, span.h);
   if (drive.ramped) drive.force_at(span.time(0), force_);
   const bool free = drive.planes.empty() && drive.pins.empty() && model.body.fused() && !dashpots;
-  Outcome outcome{.work = double(span.steps) * step_work(model.body, run, Method::leapfrog, span.h)};
+  Outcome outcome{.work = double(span.steps) * step_work(model.body, drive, run, Method::leapfrog, span.h)};
   if (free && !booked(model.body, drive)) {
     glide(model.body, drive, span, run.path.motion);
     return outcome;
@@ -130,10 +130,10 @@ StepStatus Leapfrog::run_steps(const Body& body, const Drive& around, const Span
       status = close_and_open(view(i - 1), view(i), path);
       continue;
     }
-    status = close(view(i - 1), path, false);
+    status = close(view(i - 1), path);
     if (status == StepStatus::ok) status = open(view(i), path);
   }
-  return status == StepStatus::ok ? close(view(span.steps - 1), path, true) : status;
+  return status == StepStatus::ok ? close(view(span.steps - 1), path) : status;
 }
 
 /// Up to the end of the drift.
@@ -142,7 +142,6 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
   Exchange& exchange = path.exchange;
   const Drive& around = view.around;
   if (losses(view.body, view.around)) start_ = state.v;
-  const Count before = impacts();
   before_.swap(state.v);
   kicks_.open(view.spring, view.force, before_, state.x, state.v, next_);
   if (!around.pins.empty()) drift_pins(view, before_, state.v, next_, exchange);
@@ -152,18 +151,17 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
     if (const StepStatus status = position_stage(view, path); status != StepStatus::ok) return status;
   }
   if (around.watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (view.t0 + view.t1), next_ - state.x);
-  landed_ = impacts() > before;
   if (losses(view.body, view.around)) exchange.dissipated += dashpot_loss(view, state, before_);
   state.x.swap(next_);
   return StepStatus::ok;
 }
 
 /// From there to the end of the step.
-StepStatus Leapfrog::close(const StepView& view, Path& path, bool last) {
+StepStatus Leapfrog::close(const StepView& view, Path& path) {
   State& state = path.motion;
   Exchange& exchange = path.exchange;
   const Drive& around = view.around;
-  renew_forces(view, state, last);
+  renew_forces(view, state);
   if (around.ramped) around.force_at(view.t1, force_);
   if (!around.pins.empty() || losses(view.body, around)) before_ = state.v;
   kicks_.close(view.spring, view.force, state.v);
@@ -175,25 +173,20 @@ StepStatus Leapfrog::close(const StepView& view, Path& path, bool last) {
   }
   if (losses(view.body, view.around))
     exchange.dissipated += damping_loss(view.body, view.h, start_, state.v) + dashpot_loss(view, state, before_);
-  if (landed_ && view.body.dashpots()) take_dashpots(view.body, state, state.v);
   return StepStatus::ok;
 }
 
-/// After the drift; those of the energies alone where they are asked for.
-void Leapfrog::renew_forces(const StepView& view, State& state, bool last) {
+/// After the drift.
+void Leapfrog::renew_forces(const StepView& view, State& state) {
   const Body& body = view.body;
   if (!body.dashpots()) return body.internal_force(state.x, state.spring);
   const auto flat = [](Points& points) { return Eigen::Map<Scalars>(points.data(), points.size()); };
-  const bool free = view.around.planes.empty();
-  carried_ = 2 * state.v - before_;
-  if (free) flat(carried_) -= (0.5 * view.h) * (body.inverse_mass * flat(state.spring));
-  if (free || last || landed_ || losses(body, view.around)) body.internal_force(state.x, state.spring);
-  if (free) flat(carried_) += (0.5 * view.h) * (body.inverse_mass * flat(state.spring));
+  const double half = 0.5 * view.h;
+  flat(carried_) = 2 * flat(state.v) - flat(before_) - half * (body.inverse_mass * flat(state.spring));
+  body.internal_force(state.x, state.spring);
+  flat(carried_) += half * (body.inverse_mass * flat(state.spring));
   view.around.visit_pinned(view.t1, [&](const PinnedPoint& held) { set_row(carried_, held.point, held.velocity()); });
-  if (free)
-    take_dashpots(body, state, carried_);
-  else
-    body.damped_force(state.x, carried_, forces_);
+  take_dashpots(body, state, carried_);
 }
 
 /// With velocities v.
@@ -239,7 +232,7 @@ StepStatus Leapfrog::position_stage(const StepView& view, Path& path) {
 StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, Path& path) {
   State& state = path.motion;
   if (surface_ && surface_->touched()) {  // which moves all points
-    const StepStatus status = close(last, path, false);
+    const StepStatus status = close(last, path);
     return status == StepStatus::ok ? open(next, path) : status;
   }
   if (last.around.ramped) last.around.force_at(last.t1, force_);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "body/damped_kick.hpp"
 #include "matrix/lattice_matrix.hpp"
@@ -34,7 +33,7 @@ constexpr std::array<Traits, method_count> rows{{
     {Method::floating_frame, 3, 0, any, any, 1, any, 40, 0.3, false, true, Turning::in_frame, true},
 }};
 
-/// Of what stability allows where dashpots are not solved for [1].
+/// Of a step times the rate of damping, which stability allows 1 where dashpots are not solved for [1].
 constexpr double stable_share = 0.8;
 
 constexpr bool in_order() {
@@ -52,20 +51,19 @@ bool takes_solid(Method method, const Lattice& lattice) {
   return method != Method::central_difference && (!is_implicit(method) || LatticeMatrix::exists(lattice));
 }
 
-/// Where (omega h / 2)^2 + rate h is the share.
-double longest_carried(const Course& course) {
-  if (course.bound < 0) return 0;
-  const double rate = course.damping_bound, square = 0.25 * course.bound * course.bound;
-  return 2 * stable_share / (rate + std::sqrt(rate * rate + 4 * stable_share * square));
+/// None beside obstacles. Nor where steps are counted, which give the same however the time is cut: what one hands on to the next would
+/// not.
+double longest_carried(const Drive& around, const Run& run) {
+  const bool known = run.course.bound >= 0, counted = run.path.clock.unit > 0;
+  return known && !counted && around.planes.empty() ? stable_share / run.course.damping_bound : 0;
 }
 
-/// Steps that are counted give the same however the time is cut: what one hands on to the next would not.
-bool carries_velocities(const Run& run, double h) { return run.path.clock.unit == 0 && h <= (1 + 1e-9) * longest_carried(run.course); }
+bool carries_velocities(const Drive& around, const Run& run, double h) { return h <= (1 + 1e-9) * longest_carried(around, run); }
 
-double step_work(const Body& body, const Run& run, Method method, double h) {
+double step_work(const Body& body, const Drive& around, const Run& run, Method method, double h) {
   const double work = traits(method).work;
   if (method != Method::leapfrog || !body.dashpots()) return work;
-  return work + (carries_velocities(run, h) ? 1 : 2 * DampedKick::products(body, 0.5 * h));
+  return work + (carries_velocities(around, run, h) ? 1 : 2 * DampedKick::products(body, 0.5 * h));
 }
 
 /// Measured: springs of 4 to 16 points an axis (conjugate gradients: 30 iterations of 3.3 to 3.8 evaluations each); solids from one patch

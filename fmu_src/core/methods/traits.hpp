@@ -1,6 +1,7 @@
 /// The methods' own numbers, one row each.
 #pragma once
 #include "body/body.hpp"
+#include "model/drive.hpp"
 #include "model/run.hpp"
 
 namespace softffd {
@@ -30,10 +31,10 @@ const Traits& traits(Method method);
 
 /// The longest step of leapfrog that carries velocities on for the dashpots, rather than solve for them, and whether one of length h does
 /// [s] (methods/leapfrog.hpp).
-double longest_carried(const Course& course);
-bool carries_velocities(const Run& run, double h);
+double longest_carried(const Drive& around, const Run& run);
+bool carries_velocities(const Drive& around, const Run& run, double h);
 /// Work of an explicit step of length h of this body, in evaluations of the spring forces.
-double step_work(const Body& body, const Run& run, Method method, double h);
+double step_work(const Body& body, const Drive& around, const Run& run, Method method, double h);
 
 inline bool resolves_contact(Method method) { return traits(method).resolves_contact; }
 inline bool is_implicit(Method method) { return traits(method).solves; }

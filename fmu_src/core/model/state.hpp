@@ -56,7 +56,6 @@ struct Span {
   double budget = std::numeric_limits<double>::infinity();     ///< of the call, after which it does too
   double way = 0;                                              ///< by which a solution of its equations may be off [m]
   bool again = false;  ///< the method took the step before this one, as long, of the same body: what it made of that may serve
-  double half_of = 0;  ///< step of the run that this one, with half of it, is compared with: both carry velocities on, or neither [s]
   double time(Count i) const { return origin + double(first + i) * h; }
 };
 

@@ -61,7 +61,7 @@ double Calibrator::calibrate(Integrators& integrators, const StepContext& contex
     const Count steps = std::min(divisions(window, h), most);
     h = std::min(h, window / double(steps));
     const std::optional<double> error = trial_error(integrators, context, method, h, steps);
-    work += 3 * double(steps) * step_work(context.model.body, context.run, method, h);
+    work += 3 * double(steps) * step_work(context.model.body, context.drive, context.run, method, h);
     const double factor = error ? next_factor(allowed, c * *error, t.order) : 1;
     calibration.h = h * factor;
     if (factor > use::calibrated) break;
@@ -84,7 +84,7 @@ std::optional<double> Calibrator::trial_error(Integrators& integrators, const St
   if (status == StepStatus::ok) {
     std::swap(coarse_, path.motion);
     snapshot.rollback();
-    status = integrators.take(context, method, {.origin = begin, .first = 0, .h = h / 2, .steps = 2 * steps, .half_of = h}).status;
+    status = integrators.take(context, method, {begin, 0, h / 2, 2 * steps}).status;
   }
   if (status == StepStatus::contact_ahead) return {};
   return status == StepStatus::ok ? growing(context, coarse_, path.motion, double(steps) * h) : infinity;

@@ -88,7 +88,7 @@ StepStatus DampedSteps::ExplicitSteps::run(Integrators& integrators, const StepC
 
 double DampedSteps::worth(Integrators& integrators, const StepContext& context, const ExplicitSteps& others) {
   const double limit = step_limit(context, Method::leapfrog, false), known = context.run.course.damped.rate;
-  const double forecast = others.times() * step_work(context.model.body, context.run, Method::leapfrog, limit) / limit;
+  const double forecast = others.times() * step_work(context.model.body, context.drive, context.run, Method::leapfrog, limit) / limit;
   return use::damped_runs * integrators.implicit_work().in_contact() / (known > 0 ? known : forecast);
 }
 

@@ -40,7 +40,7 @@ StepStatus divide_unit(const Budget& budget, const StepContext& context, Method 
   const double limit = tighter(wanted, step_limit(context, method, true));
   const bool again = context.request.step_factor < 1;  // without a result so far: as divided as it must be, anew at every unit
   const double target = limit < wanted && !again ? tighter(limit, step_limit(context, method, false)) : limit;
-  const double work = unit / target * step_work(context.model.body, context.run, method, target);
+  const double work = unit / target * step_work(context.model.body, context.drive, context.run, method, target);
   if (!budget.covers(work)) return refusal(work);
   const bool too_long = divisions(clock.h, limit) > 1;
   if (into == 0 && (clock.unit != unit || too_long || again || target > use::regrowth * clock.h)) {
@@ -78,7 +78,7 @@ StepStatus run_counted(Integrators& integrators, const StepContext& context, Met
     const bool begins_divided = !other && clock.parts > 1 && clock.count % clock.parts == 0;
     if (other || context.run.course.bound < 0 || clock.count % use::look_every == 0 || begins_divided || context.request.step_factor < 1)
       if (const StepStatus status = divide_unit(budget, context, method); status != StepStatus::ok) return status;
-    if (!budget.covers(double(units) * double(clock.parts) * step_work(context.model.body, context.run, method, clock.h)))
+    if (!budget.covers(double(units) * double(clock.parts) * step_work(context.model.body, context.drive, context.run, method, clock.h)))
       return StepStatus::too_much_work;
     const Count left = clock.parts > 1 ? clock.parts - clock.count % clock.parts : units;
     const Count ahead = std::min(left, use::look_every - clock.count % use::look_every);

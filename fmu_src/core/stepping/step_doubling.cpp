@@ -78,7 +78,7 @@ StepStatus StepDoubling::run(Integrators& integrators, const StepContext& contex
   while (motion.time < end) {
     const double limit = step_limit(context, Method::leapfrog, false), left = end - motion.time, known = context.run.course.contact.h;
     const double h = known > 0 ? tighter(known, limit) : limit;
-    const double work = left / limit * step_work(context.model.body, context.run, Method::leapfrog, limit);
+    const double work = left / limit * step_work(context.model.body, context.drive, context.run, Method::leapfrog, limit);
     if (!integrators.budget().covers(work)) return refusal(work);
     const StepStatus status = run_stretch(integrators, context, {limit, h, end, motion.time == begin}, taken);
     if (status != StepStatus::ok) return status;
@@ -98,9 +98,8 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
   const bool at_limit = stretch.at_limit();
   Snapshot snapshot(path, start_);
   const double begin = path.motion.time, left = stretch.end - begin;
-  const auto run = [&](double h, Count steps, double half_of = 0) {
-    const Outcome outcome =
-        integrators.take(context, Method::leapfrog, {.origin = begin, .first = 0, .h = h, .steps = steps, .half_of = half_of});
+  const auto run = [&](double h, Count steps) {
+    const Outcome outcome = integrators.take(context, Method::leapfrog, {begin, 0, h, steps});
     course.work += outcome.work;
     return outcome;
   };
@@ -129,7 +128,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     if (coarse.status != StepStatus::ok) return coarse.status;
     std::swap(coarse_, path.motion);
     snapshot.rollback();
-    const Outcome fine = run(0.5 * part, 2 * steps, part);
+    const Outcome fine = run(0.5 * part, 2 * steps);
     if (fine.status != StepStatus::ok) return fine.status;
     const double error = growing(context, coarse_, path.motion, double(steps) * part) / 3;
     const bool last = part <= least || tries == use::most_reruns;

@@ -44,7 +44,7 @@ bool creeps(const StepContext& context) {
 
 double fixed_work(const StepContext& context, Method method, double H) {
   const double h = tighter(step_limit(context, method, false), context.run.course.calibration(method).h);
-  return double(divisions(H, h)) * step_work(context.model.body, context.run, method, h);
+  return double(divisions(H, h)) * step_work(context.model.body, context.drive, context.run, method, h);
 }
 
 }  // namespace
@@ -61,7 +61,8 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
   spent_ = 0;
   Candidates candidates;
   candidates.before = context.run.course.trials.winner;
-  const double longest = step_limit(context, Method::leapfrog, false), each = step_work(body, context.run, Method::leapfrog, longest);
+  const double longest = step_limit(context, Method::leapfrog, false),
+               each = step_work(body, context.drive, context.run, Method::leapfrog, longest);
   candidates.least = std::max(1.0, H / longest) * each;
   const double slower = each / traits(Method::leapfrog).work;  // by internal damping, which implicit steps hardly feel
   const bool may_pay = context.model.stability.elastic() && !body.explicit_alone && implicit_may_pay(slower * H * bound(context));
@@ -123,7 +124,8 @@ bool TrialRuns::fast_modes_are_quiet(Integrators& integrators, const StepContext
   const double way = std::min({H, use::calibration_window / bound(context), longest}), begin = motion.time;
   const Method fine = creep ? method : Method::leapfrog;
   const Count steps = creep ? use::creep_parts : divisions(way, step_limit(context, Method::leapfrog, false));
-  const double each = creep ? implicit.step + implicit.factor : step_work(context.model.body, context.run, fine, way / double(steps));
+  const double each =
+      creep ? implicit.step + implicit.factor : step_work(context.model.body, context.drive, context.run, fine, way / double(steps));
   spent_ += double(steps) * each + implicit.step + implicit.factor;
   Snapshot snapshot(context.run, start_);
   if (integrators.take(context, fine, {begin, 0, way / double(steps), steps}).status != StepStatus::ok) return false;

@@ -72,16 +72,6 @@ TEST(at_rest_and_after_a_rigid_motion_a_solid_has_no_forces) {
   CHECK(f.abs().maxCoeff() < 1e-10);
 }
 
-TEST(forces_and_dashpots_in_one_pass_are_both) {
-  const Body body = solid_body(long_box, 0.4, 10, 0.02);
-  const Points x = scattered(long_box, 0.1), v = scattered(long_box, 1, 3);
-  Points both = x, apart = x;
-  body.internal_force(x, apart);
-  body.add_dashpot_force(x, v, apart);
-  body.damped_force(x, v, both);
-  CHECK(distance(both, apart) < 1e-14 * apart.abs().maxCoeff());
-}
-
 TEST(forces_are_the_slope_of_the_energy_and_products_those_of_the_forces) {
   for (const double amplitude : {0.02, 0.25}) {  // some nodes are crushed and turned inside out
     const Body body = solid_body(long_box, 0.4, 10);

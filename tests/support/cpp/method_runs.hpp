@@ -30,7 +30,7 @@ Result run_with(const Scene& s, int steps) {
 
 /// By leapfrog that carries velocities on for the dashpots, however long its steps.
 inline Result run_carrying(const Scene& s, int steps, bool watch) {
-  Leapfrog method(s.body.points(), int(s.around.planes.size()));
+  Leapfrog method(s.body.points(), 0);
   Run known;
   known.course.bound = known.course.damping_bound = 0;
   return run_method(method, s, steps, watch, known);
