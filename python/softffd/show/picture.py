@@ -32,10 +32,11 @@ def run_picture(result: Result, *, colour: str | None = None, lattice: bool | No
     moments = telling_moments(result)
     cells, tints = tension_of(result, stage, list(moments), colour) if colour else (None, {})
     touch = touch_of(result, stage)
+    shown = stage.is_cage if lattice is None else lattice
     low = 0.45 if cells else 0.40
     figure, box = new_figure(13.0, 7.6, dpi=130), (0.02, low, 0.96, 0.93 - low)
     captions = [f"{what}, t = {stage.time[frame]:.4g} s" for frame, what in moments.items()]
-    _draw_images(figure, stage, list(moments), captions, box=box, tints=tints, touch=touch, lattice=stage.is_cage if lattice is None else lattice)
+    _draw_images(figure, stage, list(moments), captions, box=box, tints=tints, touch=touch, lattice=shown)
     draw_words(figure, stage.title, (0.02, 0.965), 15, "left", weight="bold")
     draw_words(figure, _time_and_error(result.summary), (0.98, 0.965), 10.5, "right", SOFT)
     if touch.ways.any():

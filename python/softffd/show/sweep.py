@@ -66,7 +66,7 @@ def draw(
 
 
 class _Axis:
-    """A varied variable as an axis, with a tick at each value: names at whole numbers; a logarithmic scale where values grow by a factor."""
+    """A varied variable as an axis with ticks at its values: names at whole numbers; logarithmic where the values grow by a factor."""
 
     def __init__(self, name: str, unit: str, values: np.ndarray):
         self.label, self._named = _label(name, unit), values.dtype.kind in "UO"
