@@ -24,10 +24,10 @@ def opened(tmp_path):
     if CHROMIUM is None:
         pytest.skip("no chromium on this machine to look at the page with")
 
-    def open_page(script: str = "", **settings) -> Browser:
+    def open_page(script: str = "") -> Browser:
         page = write_view(made_up_run(title="Ärger: 60 % <b>"), tmp_path / "view.html")
         page.write_text(page.read_text("utf-8").replace("<title>", f"<script>{script}</script><title>"), "utf-8")
-        browser = Browser(page, tmp_path, hash="#t=1.2", **settings)
+        browser = Browser(page, tmp_path, width=700, height=500, hash="#t=1.2")
         browser.wait_for("typeof shown !== 'undefined' && shown !== null")
         return browser
 
@@ -55,6 +55,7 @@ def test_picture_and_film_are_files_with_the_background_named_after_title_and_ti
         assert browser.ask("[film, element('film').getAttribute('aria-pressed')]") == [None, "false"] and not browser.errors
 
 
+@pytest.mark.full
 def test_a_browser_that_makes_no_films_offers_none(opened):
     with opened("delete globalThis.MediaRecorder") as browser:
         browser.key("?")
