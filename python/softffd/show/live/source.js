@@ -38,7 +38,7 @@ const source = {
   begin() {
     element("timeline").hidden = true;
     for (const { parts } of run.rows) parts.cursor.remove();
-    element("hint").textContent = "drag a plate, a solid, a pin or the object: move it · beside: turn · wheel: zoom · right drag: move · space: play";
+    element("hint").textContent = "drag a plate, a solid, a pin or the object: move it · beside: turn · wheel: zoom · right drag: move · space: play · ?: all keys";
     begin_panel();
     if (gl) load();
   },
