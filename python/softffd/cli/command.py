@@ -75,7 +75,7 @@ def _demo(options: argparse.Namespace) -> None:
     from softffd.cli.demo import run_demo
 
     require_writable(options.output)
-    run_demo(options.output)
+    run_demo(options.output, lattice=options.lattice)
 
 
 def _build(options: argparse.Namespace) -> None:

@@ -24,8 +24,8 @@ def _live_page(path: Path, progress: ProgressLine) -> Path | None:
     return write_live("car_drop", path, stage=progress.stage, progress=progress)
 
 
-def run_demo(folder: Path) -> None:
-    """Builds, runs and shows the car in `folder`, saying what it does."""
+def run_demo(folder: Path, *, lattice: bool | None = None) -> None:
+    """Builds, runs and shows the car in `folder`, saying what it does. lattice: of the pictures, as in `Result.plot`."""
     scene = load_scene("car_drop")
     print(scene.title)
     with ProgressLine("packaging") as progress:
@@ -33,11 +33,11 @@ def run_demo(folder: Path) -> None:
         progress.stage("simulating")
         result = run_scene_or_fmu("car_drop", progress=progress)
         progress.say(told_after(result.summary))
-        keep_run(result, folder, progress.stage)
+        keep_run(result, folder, progress.stage, lattice=lattice)
         progress.stage("simulating car_bump")
         struck = simulate("car_bump")
         progress.stage("drawing bump.png, writing bump.html")
-        struck.plot(folder / "bump.png")
+        struck.plot(folder / "bump.png", lattice=lattice)
         struck.view(folder / "bump.html", browser=False)
         page = _live_page(folder / "live.html", progress)
     print(f"  picture: {folder / 'picture.png'}")

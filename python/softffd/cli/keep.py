@@ -93,13 +93,13 @@ def _mesh_scene(file: Path, error: bool, given: dict[str, Any]) -> Scene:
 
 
 def keep_run(
-    result: Result, folder: Path, stage: Note = silent, *, pictures: bool = True, colour: str | None = None, lattice: bool = False
+    result: Result, folder: Path, stage: Note = silent, *, pictures: bool = True, colour: str | None = None, lattice: bool | None = None
 ) -> list[Path]:
     """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files.
 
     stage: is told what is being done. pictures: write picture and page.
     What an earlier run left in the folder goes first.
-    colour: of the picture, as in `Result.plot`. lattice: the picture shows it over a mesh too.
+    colour, lattice: of the picture, as in `Result.plot`.
     """
     stage("writing the numbers")
     if not result.has_positions:

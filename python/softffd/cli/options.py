@@ -87,6 +87,7 @@ def _demo_and_build(add: Add) -> None:
     demo.add_argument(
         "-o", "--output", type=Path, default=Path("softffd-demo"), metavar="DIR", help="Folder to write to; default: softffd-demo."
     )
+    _add_lattice(demo, "the pictures")
 
     build = add("build", "Make the FMU of a scene.", "softffd build press -o press.fmu")
     build.add_argument("scene", help=SCENE)
@@ -112,7 +113,7 @@ def _run(add: Add) -> None:
     _add_overwrite(run, "the results of an earlier run")
     colour = "Colour the picture by the von Mises stress (Pa) or the largest principal stretch of the cells."
     run.add_argument("--colour", choices=["von_mises", "stretch"], help=colour)
-    run.add_argument("--lattice", action="store_true", help="Show the lattice in the picture over a mesh too.")
+    _add_lattice(run, "the picture")
     shown = run.add_mutually_exclusive_group()
     shown.add_argument("--view", action="store_true", help="Open the interactive page when the run has ended.")
     shown.add_argument("--no-pictures", action="store_true", help="Write numbers only; softffd view DIR makes the page later.")
@@ -226,6 +227,11 @@ def _add_run_options(parser: Parser) -> None:
 
 def _add_overwrite(parser: Parser, what: str) -> None:
     parser.add_argument("--overwrite", action="store_true", help=f"Write over {what}.")
+
+
+def _add_lattice(parser: Parser, where: str) -> None:
+    shown = f"Show the lattice in {where}, or do not; default: where there is no mesh."
+    parser.add_argument("--lattice", action=argparse.BooleanOptionalAction, help=shown)
 
 
 def _add_mesh_options(parser: Parser) -> None:

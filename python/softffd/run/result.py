@@ -243,11 +243,11 @@ class Result:
 
     def plot(
         self, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None,
-        lattice: bool = False,
+        lattice: bool | None = None,
     ) -> Figure:  # fmt: skip
         """The picture of the run: its telling moments, with its scene's mesh, and the curves; written to `path` (PNG) where one is given.
         colour: "von_mises" (stress) or "stretch" (the largest principal one) of the cells, in place of the object's own colours.
-        lattice: show the lattice over a mesh too.
+        lattice: show the lattice; by default where there is no mesh.
         With `y`, names of outputs or inputs, a vector's for its components, those alone over `x`, time or another one of them:
         plot(x="plane.press.point.z", y="plane.press.reaction.z").
         Returns matplotlib's Figure. UnknownName with the nearest name; SoftffdError where the picture needs positions that were not
@@ -255,7 +255,7 @@ class Result:
         from softffd.show.figure import png_of
         from softffd.show.picture import curve_picture, run_picture
 
-        if (x != "time" and not y) or ((colour or lattice) and y):
+        if (x != "time" and not y) or ((colour or lattice is not None) and y):
             raise SoftffdError("plot: wanted x with y, and colour and lattice without them")
         figure = curve_picture(self, x=x, y=y) if y else run_picture(self, colour=colour, lattice=lattice)
         if path is not None:

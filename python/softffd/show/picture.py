@@ -20,21 +20,23 @@ GAP = 0.004  # between images, as a fraction of the figure's width
 CAPTION = 0.32  # height of the line below the images, inches
 
 
-def run_picture(result: Result, *, colour: str | None = None, lattice: bool = False) -> Picture:
+def run_picture(result: Result, *, colour: str | None = None, lattice: bool | None = None) -> Picture:
     """The picture of `result`: start, first contact, largest deformation, end; and the history.
 
     colour: a name of `tension.COLOURS`, in place of the object's own
-    colours. lattice: draw the lattice over a mesh too, which it would hide.
+    colours. lattice: draw the lattice; by default where there is no mesh,
+    which it would hide.
     Raises SoftffdError when positions of control points were not recorded.
     """
     stage = stage_of(result)
     moments = telling_moments(result)
     cells, tints = tension_of(result, stage, list(moments), colour) if colour else (None, {})
     touch = touch_of(result, stage)
+    shown = stage.is_cage if lattice is None else lattice
     low = 0.45 if cells else 0.40
     figure, box = new_figure(13.0, 7.6, dpi=130), (0.02, low, 0.96, 0.93 - low)
     captions = [f"{what}, t = {stage.time[frame]:.4g} s" for frame, what in moments.items()]
-    _draw_images(figure, stage, list(moments), captions, box=box, tints=tints, touch=touch, lattice=lattice or stage.is_cage)
+    _draw_images(figure, stage, list(moments), captions, box=box, tints=tints, touch=touch, lattice=shown)
     draw_words(figure, stage.title, (0.02, 0.965), 15, "left", weight="bold")
     draw_words(figure, _time_and_error(result.summary), (0.98, 0.965), 10.5, "right", SOFT)
     if touch.ways.any():

@@ -10,6 +10,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 from softffd.errors import SoftffdError
 from softffd.files import replacing
@@ -19,8 +20,10 @@ LARGEST = 30
 """Outputs in one picture"""
 MOST_LINES = 8
 """In one panel; more values than these of two variables make a map"""
-MOST_LETTERS = 24
-"""Of names beside each other below a panel; more stand aslant"""
+LETTERS = 30
+"""That have room beside each other below a panel; words that are too long for that stand aslant"""
+ROOM = 1 / 14
+"""Of an axis that a word takes across its line; values closer than this have a tick without a word"""
 FORMATS = (".png", ".svg", ".pdf")
 
 
@@ -63,12 +66,13 @@ def draw(
 
 
 class _Axis:
-    """A varied variable as an axis: names at whole numbers; a logarithmic scale where the values grow by a factor."""
+    """A varied variable as an axis with ticks at its values: names at whole numbers; logarithmic where the values grow by a factor."""
 
     def __init__(self, name: str, unit: str, values: np.ndarray):
         self.label, self._named = _label(name, unit), values.dtype.kind in "UO"
         self.places = np.arange(len(values)) if self._named else values.astype(float)
-        self.words = [str(value) if self._named else f"{value:.10g}" for value in values]
+        short = [f"{value:g}" for value in self.places]
+        self.words = list(map(str, values)) if self._named else short if len({*short}) == len(values) else [f"{v:.10g}" for v in values]
         self.order = np.argsort(self.places, kind="stable")
         sorted_places = self.places[self.order]
         ratios = sorted_places[1:] / sorted_places[:-1] if len(values) > 2 and (self.places > 0).all() else np.array([])
@@ -79,10 +83,20 @@ class _Axis:
         axis.set_label_text(self.label, **PLAIN)
         if self._logarithmic:
             scale("log")
-        if self._named:
-            aslant = axis.axis_name == "x" and sum(map(len, self.words)) > MOST_LETTERS
-            look = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if aslant else {}
-            axis.set_ticks(self.places, labels=self.words, **look, **PLAIN)
+        places = np.log(self.places) if self._logarithmic else self.places
+        shares = (places - places.min()) / (np.ptp(places) or 1.0)
+        tight = np.diff(shares[self.order]).min(initial=1.0) < max(map(len, self.words)) / LETTERS
+        look = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if tight and axis.axis_name == "x" else {}
+        axis.set_ticks(self.places, labels=self.words if self._named else self._words_with_room(shares), **look, **PLAIN)
+        axis.set_minor_locator(NullLocator())
+
+    def _words_with_room(self, shares: np.ndarray) -> list[str]:
+        """Those of both ends, and of what is between them each that is not too close to another one."""
+        kept: list[float] = []
+        for n in [self.order[0], self.order[-1], *self.order[1:-1]]:
+            if all(abs(shares[n] - other) >= ROOM for other in kept):
+                kept.append(shares[n])
+        return [word if share in kept else "" for word, share in zip(self.words, shares, strict=True)]
 
 
 def _lines(panel: Any, axes: list[_Axis], values: np.ndarray, failed: np.ndarray, label: str) -> None:

@@ -123,30 +123,16 @@ function listen_to_pointers() {
   canvas.addEventListener("dblclick", reset_view);
 }
 const next_colour = () => set_colour(COLOURS[(COLOURS.indexOf(state.colour) + 1) % COLOURS.length]);
-const KEYS = {
-  " ": () => set_playing(!state.playing), ",": () => step_frames(-1), ".": () => step_frames(1),
-  "[": () => change_speed(-1), "]": () => change_speed(1),
-  l: () => toggle("lattice"), o: () => toggle("obstacles"), k: () => toggle("contacts"), f: () => toggle("follow"), c: next_colour, r: reset_view,
-  "+": () => zoom(0.9), "=": () => zoom(0.9), "-": () => zoom(1.1),
-};
-const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-function listen_to_keys() {
-  addEventListener("keydown", e => {
-    if (e.ctrlKey || e.metaKey || e.altKey || e.target.tagName === "SELECT" || (e.key === " " && e.target.tagName === "BUTTON")) return;
-    const arrow = ARROWS[e.key], action = KEYS[e.key.length === 1 ? e.key.toLowerCase() : e.key];
-    if (arrow && e.target === canvas) turn(arrow[0] * -0.08, arrow[1] * -0.08);
-    else if (arrow) step_frames(arrow[0] - arrow[1]);
-    else if (action) action();
-    else return;
-    e.preventDefault();
-  });
-}
 function listen() {
   element("play").onclick = () => set_playing(!state.playing);
   element("speed").onchange = e => set_speed(+e.target.value);
   element("colour").onchange = e => set_colour(e.target.value);
   for (const name of ["lattice", "obstacles", "contacts", "follow"]) element(name).onclick = () => toggle(name);
   element("reset").onclick = reset_view;
+  element("picture").onclick = save_picture;
+  element("film").onclick = toggle_film;
+  element("film").hidden = !canvas_films;
+  element("help-button").onclick = element("help").querySelector("button").onclick = toggle_help;
   new ResizeObserver(() => draw(performance.now())).observe(canvas);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
   listen_to_pointers();

@@ -3,7 +3,7 @@
 The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume,
 so a frame costs the control points whatever the size of the mesh; of B-splines or patches 64 of them count at a vertex.
 `view.html` is the page with its style; `view_drawing.js`, `view_touch.js` and `view.glsl` draw what a source gives them, here
-`view_recorded.js`; `view.js` listens and tells.
+`view_recorded.js`; `view.js` listens and tells, `view_keys.js` has the keys, `view_keep.js` saves pictures and films.
 """
 
 import base64

@@ -186,13 +186,19 @@ function load_skin(source) {
 function blank() { return texture(gl.RGB8, 1, 1, gl.RGB, gl.UNSIGNED_BYTE, new Uint8Array([255, 255, 255]), gl.LINEAR); }
 
 // ---- drawing -----------------------------------------------------------------------------------------------------
-let shown = null, waiting = false;                       // the time whose control points and shadows the GPU holds
+let shown = null, waiting = 0;                           // the time whose control points and shadows the GPU holds; the frame asked for
 
-function show() { if (!waiting) { waiting = true; requestAnimationFrame(draw); } }
+function show() { waiting ||= requestAnimationFrame(draw); }
 function draw(clock) {
-  waiting = false;
+  cancelAnimationFrame(waiting);                          // where a change of size draws before it
+  waiting = 0;
   if (gl.isContextLost()) return;
   advance(clock);
+  draw_view();
+  if (film) copy_view(film.target);
+  if (state.playing) show();
+}
+function draw_view() {
   fit_canvas();
   if (shown !== state.time) { load_points(); cast_shadows(); shown = state.time; write_readout(); }
   const frame = camera_frame();
@@ -212,7 +218,6 @@ function draw(clock) {
   if (state.contacts) draw_touch(common);
   gl.depthMask(true);
   gl.disable(gl.BLEND);
-  if (state.playing) show();
 }
 function fit_canvas() {
   const scale = Math.min(window.devicePixelRatio || 1, 2), w = Math.round(canvas.clientWidth * scale), h = Math.round(canvas.clientHeight * scale);

@@ -15,6 +15,7 @@ let held = 0;
 state.time = times[0];
 
 const source = {
+  says: { on: "one frame on", back: "one frame back" },
   decimals: Math.min(Math.max(2 - Math.floor(Math.log10((times[LAST] - times[0]) / 100 || 1)) - 1, 1), 6),
   pace: (times[LAST] - times[0]) / 5,                    // at which it lasts five seconds
   moves: LAST > 0,
@@ -33,8 +34,10 @@ const source = {
   begin() {
     Object.assign(element("slider"), { min: times[0], max: times[LAST], step: (times[LAST] - times[0]) / 5000 || 1 });
     element("slider").oninput = e => { set_playing(false); go_to(+e.target.value); };
-    Object.assign(KEYS, { Home: () => go_to(times[0]), End: () => go_to(times[LAST]) });
+    KEYS.push([["Home", "End"], "first frame, last frame", key => go_to(times[key === "Home" ? 0 : LAST])]);
+    KEYS.push([["M"], "next first contact or largest reaction", next_mark]);
     run.rows.forEach(draw_curve);
+    draw_marks();
   },
   follow() {
     element("slider").value = state.time;
@@ -72,6 +75,37 @@ function between(data, width) {
 function go_to(t) {
   state.time = Math.min(Math.max(t, times[0]), times[LAST]);
   show();
+}
+// Where obstacles are first touched, and where the force on each is largest: by frame its words and its colour.
+function find_marks() {
+  const marks = new Map(), add = (frame, words, mark, kind) => {
+    if (marks.has(frame)) marks.get(frame).words += `; ${words}`; else marks.set(frame, { words, mark, kind });
+  };
+  const pressed = run.rows.filter(({ kind, label, values }) => kind === "reaction" && obstacles.some(({ name }) => name === label) && values.some(v => v > 0));
+  if (pressed.length) {
+    const first = Math.min(...pressed.map(({ values }) => values.findIndex(v => v > 0)));
+    add(first, `first contact: ${pressed.filter(({ values }) => values[first] > 0).map(({ label }) => label).join(", ")}`, "var(--ink)", "contact");
+  }
+  for (const { label, values, unit, mark } of pressed) {
+    const most = values.reduce((best, v, frame) => v > values[best] ? frame : best, 0);
+    add(most, `${label}: largest reaction, ${quantity(values[most], unit)}`, mark, "peak");
+  }
+  return [...marks].sort(([a], [b]) => a - b);
+}
+const marks = [];
+function draw_marks() {
+  marks.push(...find_marks());
+  for (const [frame, { words, mark, kind }] of marks) {
+    const title = `${words}, at ${seconds(times[frame])}`, button = Object.assign(document.createElement("button"), { className: kind, title, tabIndex: -1 });
+    button.setAttribute("aria-label", title);
+    button.style.cssText = `left: ${100 * (times[frame] - times[0]) / (times[LAST] - times[0] || 1)}%; --mark: ${mark}`;
+    button.onclick = () => { set_playing(false); go_to(times[frame]); };
+    element("marks").append(button);
+  }
+}
+function next_mark() {
+  const [frame] = marks.find(([frame]) => frame > frame_shown()) || marks[0] || [null];
+  if (frame !== null) { set_playing(false); go_to(times[frame]); }
 }
 function draw_curve({ values, parts }) {
   const low = Math.min(0, ...values), high = Math.max(...values, low + 1e-12);

@@ -16,7 +16,7 @@ from made_up_run import made_up_run
 from scenes import LED, box, table_and_press
 from softffd import SoftffdError, simulate
 from softffd.run import result as results
-from softffd.show.figure import new_figure
+from softffd.show.stage import stage_of
 
 
 @pytest.fixture(scope="module")
@@ -39,12 +39,14 @@ def test_plot_gives_the_figure_and_writes_it(tmp_path):
         assert image.size == tuple((figure.get_size_inches() * figure.dpi).round().astype(int))
 
 
-def test_plot_shows_the_lattice_over_a_mesh_where_it_is_asked_for(monkeypatch):
-    asked = []
-    monkeypatch.setattr("softffd.show.picture.run_picture", lambda _, **options: asked.append(options) or new_figure(1, 1, dpi=50))
-    made_up_run().plot()
-    made_up_run().plot(lattice=True)
-    assert [options["lattice"] for options in asked] == [False, True]
+@pytest.mark.parametrize(("with_mesh", "shown"), [(True, [False, True, False]), (False, [True, True, False])])
+def test_plot_shows_the_lattice_where_there_is_no_mesh_or_as_it_is_asked(monkeypatch, with_mesh, shown):
+    drawn = []
+    monkeypatch.setattr("softffd.show.picture._draw_images", lambda *_, lattice, **options: drawn.append(lattice))
+    monkeypatch.setattr("softffd.show.picture.stage_of", lambda result: replace(stage_of(result), is_cage=not with_mesh))
+    for lattice in (None, True, False):
+        made_up_run().plot(lattice=lattice)
+    assert drawn == shown
 
 
 def test_plot_draws_outputs_over_another(result, tmp_path):
@@ -66,7 +68,7 @@ def test_plot_draws_outputs_over_another(result, tmp_path):
         ({"x": "plane.press.point", "y": "time"}, r"x: wanted one output or input, got the vector plane\.press\.point; take plane"),
         ({"x": "plane.press.point.z"}, "plot: wanted x with y"),
         ({"y": "time", "colour": "stretch"}, "plot: wanted x with y, and colour and lattice without them"),
-        ({"y": "time", "lattice": True}, "plot: wanted x with y, and colour and lattice without them"),
+        ({"y": "time", "lattice": False}, "plot: wanted x with y, and colour and lattice without them"),
     ],
 )
 def test_what_cannot_be_plotted_is_refused(result, asked, words):

@@ -210,6 +210,7 @@ def test_one_variable_is_a_line_and_two_are_a_line_for_each_value_or_a_map(table
     assert panel.lines[0].get_ydata().tolist() == line.outputs[FORCE].tolist()
     assert [text.get_text() for text in panel.get_xticklabels()] == ["leapfrog", "bm4"]
     figure = table.plot(tmp_path / "lines.png", outputs=FORCE)
+    assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == ["1", "0.9", "0.95"]
     (panel,), (legend,) = figure.axes, figure.legends
     drawn = [line.get_ydata().tolist() for line in panel.lines[:2]]
     assert drawn == table.outputs[FORCE][:, [1, 2, 0]].tolist()  # heights in their order
@@ -230,6 +231,18 @@ def test_values_that_grow_by_a_factor_have_a_logarithmic_scale_and_names_are_tic
     axes = over_names.axes[0]
     assert [label.get_text() for label in axes.get_xticklabels()] == names and axes.get_xticklabels()[0].get_rotation() == 60
     assert axes.get_yscale() == "log"
+
+
+def test_ticks_are_the_values_and_have_words_where_there_is_room():
+    ticks = {}
+    for name, values in {"few": [0.3, 0.1, 0.25], "close": [1, 1.01, 1.5, 2], "alike": [1e6, 1e6 + 0.5]}.items():
+        axes = made_up(k=values).plot().axes[0]
+        assert axes.get_xticks().tolist() == values and not len(axes.get_xticks(minor=True))
+        ticks[name] = [label.get_text() for label in axes.get_xticklabels()]
+    assert ticks == {"few": ["0.3", "0.1", "0.25"], "close": ["1", "", "1.5", "2"], "alike": ["1000000", "1000000.5"]}
+    many = made_up(k=np.geomspace(500, 2000, 60)).plot().axes[0]
+    words = [label.get_text() for label in many.get_xticklabels()]
+    assert len(words) == 60 and 8 < len([*filter(None, words)]) < 16 and (words[0], words[-1]) == ("500", "2000")
 
 
 def test_words_of_the_user_are_drawn_as_they_are():

@@ -83,6 +83,13 @@ def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, pages):
         )
         browser.ask("keep_recording = text => { window.kept = text; }, element('record').click()")
         (tmp_path / "recording.csv").write_text(browser.wait_for("window.kept"))
+        browser.key("?")
+        told = {row[0]: row[1] for row in browser.ask("[...element('keys').rows].map(row => [...row.cells].map(cell => cell.textContent))")}
+        assert told["W"] == "save what was done, for softffd run" and told[".→↑"] == "one communication step"
+        browser.key("?")
+        browser.ask("download = (name, blob) => { window.picture = [name, blob.size]; }, save_picture()")
+        name, size = browser.wait_for("window.picture")
+        assert name.endswith("s.png") and size > 10_000
         assert not browser.errors
     result = run_scene_or_fmu("press", inputs=tmp_path / "recording.csv")
     assert result.time[-1] == shown["frame"]

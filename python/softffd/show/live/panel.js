@@ -12,7 +12,9 @@ function begin_panel() {
     again() { let_go(); ask({ again: parameters_now() }); }, sideways: () => toggle("sideways"),
   };
   for (const [name, act] of Object.entries(acts)) element(name).onclick = act;
-  Object.assign(KEYS, { s: acts.save, b: () => element("restore").click(), a: acts.again, n: acts.sideways, w: acts.record, Escape: let_go });
+  KEYS.push([["S"], "keep this moment", acts.save], [["B"], "back to the moment that was kept", () => element("restore").click()],
+    [["A"], "from the start, with these values", acts.again], [["N"], "plates go sideways too", acts.sideways],
+    [["W"], "save what was done, for softffd run", acts.record], [["Escape"], "let go", let_go]);
   [...live.open.parts, ...live.places].forEach(({ label }, n) => element("grips").append(grip_button(label, n)));
   sliders.forEach(make_slider);
 }
@@ -72,8 +74,7 @@ function set_sliders(values) {
 }
 // A file of inputs for `softffd run`.
 function keep_recording(text) {
-  const name = `${run.title.replace(/\W+/g, "_").slice(0, 40)}.csv`, link = Object.assign(document.createElement("a"), { download: name });
-  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
-  link.click();
+  const name = `${file_stem()}.csv`;
+  download(name, new Blob([text], { type: "text/csv" }));
   tell(`${name}: ${live.command} ${name} does the same, to the bit`);
 }

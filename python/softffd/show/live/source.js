@@ -6,6 +6,7 @@ const waiting_messages = [], pace = { clock: 0, time: 0, now: 1 };
 for (const each of obstacles) each.pose = [...decode(each.poses, Float32Array)];
 
 const source = {
+  says: { on: "one communication step", back: "how to go back: save and restore" },
   decimals: 2,
   pace: 1,
   moves: true,
@@ -35,9 +36,9 @@ const source = {
     return pace.now > 0.93 * state.speed ? "" : pace.now < 0.95 ? `${+pace.now.toPrecision(1)} of real time` : `${+pace.now.toPrecision(2)} × real time`;
   },
   begin() {
-    element("slider").hidden = true;
+    element("timeline").hidden = true;
     for (const { parts } of run.rows) parts.cursor.remove();
-    element("hint").textContent = "drag a plate, a solid, a pin or the object: move it · beside: turn · wheel: zoom · right drag: move · space: play";
+    element("hint").textContent = "drag a plate, a solid, a pin or the object: move it · beside: turn · wheel: zoom · right drag: move · space: play · ?: all keys";
     begin_panel();
     if (gl) load();
   },
