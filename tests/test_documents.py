@@ -75,7 +75,7 @@ def scripts() -> list:
 @pytest.fixture(scope="module")
 def reader(tmp_path_factory) -> Path:
     """Where a reader would work: the examples, the README's scene under the name that it gives, its FMU, the drivers, their coupling, and a
-    mesh, and a run that was kept."""
+    mesh, and runs that were kept."""
     folder = tmp_path_factory.mktemp("reader")
     shutil.copytree(ROOT / "examples", folder / "examples")
     for ending in ("toml", "csv"):
@@ -84,7 +84,7 @@ def reader(tmp_path_factory) -> Path:
     coupling = next(text for kind, text in blocks(DOCUMENTS[0]) if kind == "sh" and "softffd ssp" in text)
     with contextlib.chdir(folder):
         kept = "softffd run press --stop-time 0.1 --no-pictures -o softffd-press"
-        for line in ["softffd build box.toml", kept, *lines(coupling)]:
+        for line in ["softffd build box.toml", "softffd run box.toml --stop-time 0.1 --no-pictures", kept, *lines(coupling)]:
             assert main(shlex.split(line)[1:]) == 0, line
     return folder
 

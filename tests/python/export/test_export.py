@@ -133,6 +133,8 @@ def test_what_fails_leaves_no_file(name, thrown, tmp_path, monkeypatch):
     def stop(*_words):
         raise KeyboardInterrupt
 
+    if needs := FORMATS[name].needs:
+        pytest.importorskip(needs[0], reason=f"{needs[0]} is not installed: pip install 'softffd[{needs[1]}]'")
     kept = tmp_path / "kept"
     kept.mkdir()
     monkeypatch.setattr("softffd.export.take.Take.deformed", stop)
