@@ -8,12 +8,20 @@ import subprocess
 import time
 from pathlib import Path
 
+import pytest
+
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FLAGS = [
     "--headless", "--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
     "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
     "--hide-scrollbars",
 ]  # fmt: skip
+
+
+def require_browser() -> None:
+    """In one place, so that pytest says it in one line."""
+    if CHROMIUM is None:
+        pytest.skip("no chromium on this machine to look at the page with")
 
 
 class Browser:

@@ -77,6 +77,7 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
   }
   if (model.body.samples && !drive.planes.empty() && !surface_)
     surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
+  const auto impacts = [&] { return surface_ ? surface_->impacts() : contact_.impacts(); };
   const Count before = impacts();
   if (dashpots && carried_.size() == 0) carried_ = forces_ = Points(before_.rows(), 3);
   kicks_.prepare(model.body, span.h);

@@ -37,7 +37,6 @@ class Leapfrog final : public Integrator {
   void renew_forces(const StepView& view, State& state);
   void take_dashpots(const Body& body, const State& state, const Points& v);
   double dashpot_loss(const StepView& view, const State& state, const Points& v0) const;
-  Count impacts() const { return surface_ ? surface_->impacts() : contact_.impacts(); }
 
   HalfKicks kicks_;
   Contact contact_;

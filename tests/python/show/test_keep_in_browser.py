@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from browser import CHROMIUM, Browser
+from browser import Browser, require_browser
 from made_up_run import made_up_run
 from softffd.show.view import write_view
 
@@ -21,8 +21,7 @@ WORDS = "[...element('keys').rows].map(row => [row.cells[0].textContent, row.cel
 @pytest.fixture
 def opened(tmp_path):
     """Opens a page of a made-up run, with a script before its own."""
-    if CHROMIUM is None:
-        pytest.skip("no chromium on this machine to look at the page with")
+    require_browser()
 
     def open_page(script: str = "") -> Browser:
         page = write_view(made_up_run(title="Ärger: 60 % <b>"), tmp_path / "view.html")

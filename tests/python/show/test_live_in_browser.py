@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from browser import CHROMIUM, Browser
+from browser import Browser, require_browser
 from softffd.cli.keep import run_scene_or_fmu
 from softffd.errors import SoftffdError
 from softffd.installed import wasm_library
@@ -20,8 +20,7 @@ HEIGHT = "now.parts[live.open.parts.findIndex(part => part.label === 'press')][2
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory):
-    if CHROMIUM is None:
-        pytest.skip("no chromium on this machine to look at the page with")
+    require_browser()
     try:
         wasm_library()
     except SoftffdError:

@@ -1,7 +1,6 @@
 import base64
 import json
 import re
-import shutil
 import subprocess
 from dataclasses import replace
 
@@ -9,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from browser import CHROMIUM, FLAGS, require_browser
 from made_up_run import ORIGIN, SIZE, made_up_run, with_solids
 from pages import decoded, page_of_two_colours, run_of
 from softffd.embedding.deform import deform
@@ -17,31 +17,13 @@ from softffd.scene.rigid import Sphere
 from softffd.show.stage import stage_of
 from softffd.show.view import write_view
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-FLAGS = [
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--hide-scrollbars",
-    "--window-size=900,600",
-    "--virtual-time-budget=2000",
-]
+LOOK = ["--window-size=900,600", "--virtual-time-budget=2000"]
 needs_browser = pytest.mark.usefixtures("browser")
 
 
 @pytest.fixture
 def browser():
-    """In one place, so that pytest says it in one line."""
-    if CHROMIUM is None:
-        pytest.skip("no chromium on this machine to look at the page with")
+    require_browser()
 
 
 ASK_THE_SHADER = """
@@ -120,7 +102,7 @@ document.getElementById("answer").textContent = JSON.stringify(answer);
 
 
 def chromium(page, folder, *arguments, without_3d=False):
-    flags = [*FLAGS, f"--user-data-dir={folder / 'profile'}", *(["--disable-3d-apis"] if without_3d else [])]
+    flags = [*FLAGS, *LOOK, f"--user-data-dir={folder / 'profile'}", *(["--disable-3d-apis"] if without_3d else [])]
     done = subprocess.run([CHROMIUM, *flags, *arguments, page], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr[-2000:]
     return done.stdout
