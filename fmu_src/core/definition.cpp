@@ -80,6 +80,9 @@ Run empty_run(const Definition& definition) {
   Run run;
   run.path.exchange.planes.resize(definition.planes);
   run.path.exchange.pins.resize(definition.pins.size());
+  const auto& [basis, patches, areas] = definition.sensed;
+  if (!patches.empty()) run.path.exchange.touched.assign(definition.planes, Points::Zero(int(areas.size()), 3));
+  for (const Patch& patch : patches) run.sensors.push_back({.taxels = Points::Zero(patch.taxel_count(), 3)});
   run.contacts.resize(definition.planes);
   run.centres.resize(definition.planes, Vec3::Zero());
   State& motion = run.path.motion;

@@ -8,6 +8,7 @@
 #include "forces/regions.hpp"
 #include "model/pin.hpp"
 #include "model/run.hpp"
+#include "model/sensed.hpp"
 
 namespace softffd {
 
@@ -27,8 +28,9 @@ struct Definition {
   std::vector<Region> regions;                    ///< later ones win
   std::vector<PinDefinition> pins;
   int planes = 0;
-  bool solids = false;                                            ///< the last of these are
-  std::shared_ptr<const Samples> samples = {};                    ///< of the surface, by which planes are met; null: by the control points
+  bool solids = false;                          ///< the last of these are
+  std::shared_ptr<const Samples> samples = {};  ///< of the surface, by which planes are met; null: by the control points
+  Sensed sensed = {};
   double volume_stiffness = 0;                                    ///< >= 0 [Pa]; 0: absent
   Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();             ///< x0 = origin + stretch (X - origin) + offset, then turned
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s], both of the centre of the box at x0

@@ -24,6 +24,12 @@ bool of_impacts(const SoftBody& body) {
   return damped || reason == Reason::impact || reason == Reason::ringing_flight || reason == Reason::stiff_contact;
 }
 
+/// The shadow's are not read.
+Definition without_sensors(Definition definition) {
+  definition.sensed = {};
+  return definition;
+}
+
 /// Of a vibration's amplitude, what a step of so many radians keeps.
 double kept_by(Method method, double angle) {
   if (method == Method::backward_euler) return 1 / hypotenuse(1, angle);
@@ -33,7 +39,7 @@ double kept_by(Method method, double angle) {
 }  // namespace
 
 ErrorEstimate::ErrorEstimate(const Definition& definition)
-    : shadow_(definition), change_(Points::Zero(definition.lattice.points(), 3)), force_(change_) {
+    : shadow_(without_sensors(definition)), change_(Points::Zero(definition.lattice.points(), 3)), force_(change_) {
   tally_.slopes = change_;
 }
 

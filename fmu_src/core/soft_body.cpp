@@ -54,6 +54,8 @@ SoftBody::SoftBody(Definition definition)
     drive_.pins.push_back(make_pin(definition_, definition_.pins[a], pin_origins_[a]));
   drive_.planes.resize(definition_.planes);
   if (definition_.samples && definition_.planes > 0) surface_ = std::make_unique<SurfaceContact>(model_.body, definition_.planes);
+  if (const Sensed& sensed = definition_.sensed; !sensed.patches.empty())
+    sensors_ = std::make_unique<Sensors>(sensed, definition_.lattice, surface_ ? definition_.samples.get() : nullptr);
   for (MarkedPoints* points : {&settings.force, &settings.force_rate, &settings.force_bend[0], &settings.force_bend[1]})
     points->change().setZero(n, 3);
   drive_.force.setZero(n, 3);
@@ -272,6 +274,7 @@ void SoftBody::look_at_planes() {
     const Impulse& on = now_.path.exchange.planes[q];
     now_.centres[q] = drive_.planes[q].solid() ? centre_of_places(plane, on) : centre_of_pressure(plane, on);
   }
+  if (sensors_) sensors_->read(drive_, settings.tolerance * model_.body.length, now_);
 }
 
 void SoftBody::restore(const Run& run, double start_time) {

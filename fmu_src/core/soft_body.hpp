@@ -10,6 +10,7 @@
 #include "forces/solid.hpp"
 #include "stepping/propagator.hpp"
 #include "watch/readings.hpp"
+#include "watch/sensors.hpp"
 
 namespace softffd {
 
@@ -116,6 +117,7 @@ class SoftBody {
   Propagator propagator_;
   Contact jumps_;
   std::unique_ptr<SurfaceContact> surface_;  ///< where planes meet the surface: its jumps
+  std::unique_ptr<Sensors> sensors_;         ///< where the scene has any
   Points begin_;                             ///< positions at the start of the communication step, where they are not those of before
   Loads loads_{};                            ///< that drive_.force is of
   Count force_mark_ = 0;                     ///< of drive_.force

@@ -2,7 +2,7 @@
 
 A row's name is a pattern (variables.toml): `position[{i},{j},{k}].{c}`, `{obstacle}.point.{c}`, `pin.{name}.position.{c}`,
 `stiffness.edge`. What stands for {i},{j},{k}, for {obstacle} or for KIND.{name} is the *instance*: a control point (i, j, k), or a part, an
-obstacle, pin, load or probe with its kind and its name; {c} is the *component*.
+obstacle, pin, load, probe or sensor with its kind and its name, or a taxel, the cell {i},{j} of a sensor; {c} is the *component*.
 Names have two forms, of which a scene chooses one for its FMU (fmu.names): *structured* as in the table, and *flat*, with underscores in
 the place of points, commas and brackets: `position_0_1_2_x`, `plane_ground_point_z`. Either form is understood wherever names are read.
 A flat name is that of the part with the shortest name it can be of: `plane_a_angular_velocity_x` belongs to the plane a. A scene with flat
@@ -22,7 +22,7 @@ from softffd.spelling import few
 T = TypeVar("T")
 
 IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
-"""What an obstacle, pin, load or probe may be called."""
+"""What an obstacle, pin, load, probe or sensor may be called."""
 
 OBSTACLES = ("plane", "sphere", "cylinder", "box")
 """Kinds of obstacles"""
@@ -32,7 +32,7 @@ _FLAT = str.maketrans({".": "_", "[": "_", ",": "_", "]": None})
 
 
 class Part(NamedTuple):
-    """An obstacle, pin, load or probe; as text "plane.ground", the beginning of its variables' names."""
+    """An obstacle, pin, load, probe or sensor; as text "plane.ground", the beginning of its variables' names."""
 
     kind: str
     name: str
@@ -45,8 +45,16 @@ class Part(NamedTuple):
         return self.kind in OBSTACLES
 
 
-Instance = Part | str | Point | None
-"""What a variable belongs to; the name alone is that of a plane, or of the pin, load or probe that the family is of."""
+class Cell(NamedTuple):
+    """A taxel of a sensor."""
+
+    name: str
+    i: int
+    j: int
+
+
+Instance = Part | Cell | str | Point | None
+"""What a variable belongs to; the name alone is that of a plane, or of the pin, load, probe or sensor that the family is of."""
 
 
 class Name(NamedTuple):
@@ -54,15 +62,15 @@ class Name(NamedTuple):
 
     family: str
     """Key of its row in the table"""
-    instance: Part | Point | None
-    """The obstacle, pin, load or probe, or the control point; None where there is one only"""
+    instance: Part | Cell | Point | None
+    """The obstacle, pin, load, probe, sensor or taxel, or the control point; None where there is one only"""
     component: str
     """"x", "y", "z" or "w"; empty for scalars"""
 
     @property
     def at_point(self) -> bool:
         """Does it belong to a control point?"""
-        return isinstance(self.instance, tuple) and not isinstance(self.instance, Part)
+        return isinstance(self.instance, tuple) and not isinstance(self.instance, Part | Cell)
 
 
 def variable_name(family: str, instance: Instance = None, component: str = "", *, flat: bool = False) -> str:
@@ -115,8 +123,11 @@ def parse_name(name: str) -> Name | None:
     for pattern, key, kind in _shapes().get(_first_word(name), ()):
         if found := re.fullmatch(pattern, name):  # compiles those of this first word alone
             words = found.groupdict()
-            point = (int(words["i"]), int(words["j"]), int(words["k"])) if "i" in words else None
-            possible.append(Name(key, Part(kind, words["name"]) if kind else point, words.get("c", "")))
+            indices = [int(words[axis]) for axis in "ijk" if axis in words]
+            of: Part | Cell | Point | None = Part(kind, words["name"]) if kind else None
+            if indices:
+                of = Cell(words["name"], *indices) if kind else (indices[0], indices[1], indices[2])
+            possible.append(Name(key, of, words.get("c", "")))
     return min(possible, key=lambda each: len(str(each.instance)), default=None)
 
 
@@ -194,9 +205,11 @@ def parts_of(names: Iterable[str], *kinds: str) -> list[Part]:
 
 
 def stem(name: str) -> str:
-    """What the components and control points of a variable have in common: "plane.press.point", "velocity[i,j,k]", "mass"."""
+    """What the components and places of a variable have in common: "plane.press.point", "velocity[i,j,k]", "sensor.foot.taxel[i,j]"."""
     found = parse_name(name)
     whole = name[: -1 - len(found.component)] if found and found.component else name
+    if found and isinstance(found.instance, Cell):
+        return re.sub(r"\[\d+,\d+\]", "[i,j]", variable_name(found.family, found.instance).removesuffix("."))
     return f"{found.family}[i,j,k]" if found and found.at_point else whole
 
 
@@ -219,8 +232,10 @@ def part_names(names: Iterable[str], *kinds: str) -> list[str]:
 def _stem(row: dict[str, Any], instance: Instance) -> str:
     """A structured name without its component, which comes last in every pattern."""
     pattern = row["name"].removesuffix(".{c}")
+    if isinstance(instance, Cell):
+        return pattern.format(name=instance.name, i=instance.i, j=instance.j)
     if isinstance(instance, Part):
-        return pattern.format(name=instance.name, obstacle=instance)
+        return pattern.format(name=instance.name, obstacle=instance, i=0, j=0)
     if isinstance(instance, tuple):
         i, j, k = instance
         return pattern.format(i=i, j=j, k=k)

@@ -99,7 +99,7 @@ StepStatus Contact::drift(const StepView& step, const Points& before, Points& v,
   for (int o = 0; o < used_; ++o) {
     Octet& octet = octets_[o];
     if (end_.size() == 1)
-      book(octet, octet.all(), exchange.planes[octet.plane]);
+      book(octet, octet.all(), exchange);
     else if (const StepStatus status = drift_lanes(step, v, x1, octet, exchange); status != StepStatus::ok)
       return status;
     put(octet, x1, v);
@@ -168,11 +168,15 @@ void Contact::gather(const StepView& step, const Points& before, const Points& v
   for (int o = 0; o < used_; ++o) fetch(all, octets_[o]);
 }
 
-void Contact::book(const Octet& octet, unsigned lanes, Impulse& plane) {
+/// Of the octet's plane.
+void Contact::book(const Octet& octet, unsigned lanes, Exchange& exchange) {
+  Impulse& plane = exchange.planes[octet.plane];
   for (int c = 0; c < 3; ++c) {
     plane.force[c] = sum(octet.impulse[c], lanes, plane.force[c]);
     plane.torque[c] = sum(octet.torque[c], lanes, plane.torque[c]);
   }
+  for (int lane = 0; lane < octet.count && !exchange.touched.empty(); ++lane)
+    if (lanes >> lane & 1) exchange.touch(octet.plane, octet.point[lane], -lane_of(octet.impulse, lane));
 }
 
 int Contact::deepest(const Vec3& x1) const {
@@ -203,7 +207,7 @@ StepStatus Contact::book_close(const StepView& step, Points& v, Exchange& exchan
   for (int o = 0; o < used_; ++o) {
     Octet& octet = octets_[o];
     if (alone(octet))
-      book(octet, octet.alone, exchange.planes[octet.plane]);
+      book(octet, octet.alone, exchange);
     else if (const StepStatus status = close_lanes(step, v, octet, exchange); status != StepStatus::ok)
       return status;
     exchange.work = sum(octet.work, octet.all(), exchange.work);

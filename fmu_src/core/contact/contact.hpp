@@ -81,7 +81,7 @@ class Contact {
   void gather(const StepView& step, const Points& before, const Points& v, const Points& x1);
   bool group(const StepView& step, const Points& x1);
   StepStatus book_close(const StepView& step, Points& v, Exchange& exchange);
-  static void book(const Octet& octet, unsigned lanes, Impulse& plane);
+  static void book(const Octet& octet, unsigned lanes, Exchange& exchange);
   int deepest(const Vec3& x1) const;
 
   // several_contacts.cpp

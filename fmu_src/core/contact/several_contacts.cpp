@@ -31,6 +31,7 @@ unsigned Contact::alone_at_the_end(const Octet& octet, double contact) const {
 
 void Contact::book(Octet& octet, int lane, int plane, const Vec3& impulse, const Vec3& x1, Exchange& exchange) const {
   exchange.planes[plane].add(-impulse, x1 - end_[plane].point);
+  exchange.touch(plane, octet.point[lane], impulse);
   set_lane(octet.received, lane, lane_of(octet.received, lane) + impulse);
   octet.work[lane] += impulse.dot(end_[plane].material_velocity(x1));
 }
@@ -38,7 +39,7 @@ void Contact::book(Octet& octet, int lane, int plane, const Vec3& impulse, const
 /// After the octet's own plane has been met.
 StepStatus Contact::drift_lanes(const StepView& step, const Points& v, const Points& x1, Octet& octet, Exchange& exchange) {
   const unsigned alone = alone_after_drift(octet);
-  book(octet, alone, exchange.planes[octet.plane]);
+  book(octet, alone, exchange);
   for (int lane = 0; lane < octet.count; ++lane) {
     if (alone >> lane & 1) continue;
     Vec3 here = row(x1, octet.point[lane]), velocity = row(v, octet.point[lane]);
@@ -81,7 +82,7 @@ StepStatus Contact::drift_lane(const StepView& step, Octet& octet, int lane, Vec
 StepStatus Contact::close_lanes(const StepView& step, Points& v, Octet& octet, Exchange& exchange) {
   unsettled_ = octet;
   settle(approach_[octet.plane], v, step.spring, step.force, octet);
-  book(octet, octet.alone, exchange.planes[octet.plane]);
+  book(octet, octet.alone, exchange);
   for (int lane = 0; lane < octet.count; ++lane) {
     if (octet.alone >> lane & 1) continue;
     const StepStatus status = close_lane(step, v, octet, lane, exchange);
@@ -100,7 +101,8 @@ StepStatus Contact::close_lane(const StepView& step, const Points& kicked, Octet
     Octet other = unsettled_;
     settle(approach_[active_[0]], kicked, step.spring, step.force, other);
     octet.take(lane, other);
-    book(octet, 1u << lane, exchange.planes[active_[0]]);
+    other.plane = active_[0];
+    book(other, 1u << lane, exchange);
     return StepStatus::ok;
   }
   Vec3 v = row(kicked, octet.point[lane]);

@@ -56,6 +56,7 @@ void CentralDifference::step(const Body& body, const Drive& around, double t, do
       if (!exchange) continue;
       const Vec3 surface = now.material_velocity(x), mean = (0.5 * (free + next) - previous) / (2 * h);
       exchange->push(exchange->planes[q], impulse, x - now.point, surface);
+      exchange->touch(q, p, impulse);
       exchange->dissipated -= impulse.dot(mean - surface);
       ++exchange->contacts_resolved;
     }

@@ -55,6 +55,7 @@ inline Vec3 centre_of_places(const HalfSpace& pose, const Impulse& on) {
 struct Exchange {
   std::vector<Impulse> planes;  ///< of the body on each obstacle, torque about the plane's point
   std::vector<Impulse> pins;    ///< of the body on each fixture, torque about the frame's origin
+  std::vector<Points> touched;  ///< by each obstacle on each control point, or sample of the surface [N s]; none where no sensor asks
   double dissipated = 0;        ///< energy lost to damping, friction and impacts [J]
   double work = 0;              ///< work of moving obstacles and pins on the body [J]
   Count contacts_resolved = 0;
@@ -65,17 +66,22 @@ struct Exchange {
     taker.add(-impulse, arm);
     work += impulse.dot(velocity);
   }
+  /// An obstacle gives a control point, or a sample, an impulse [N s].
+  void touch(std::size_t obstacle, int at, const Vec3& impulse) {
+    if (!touched.empty()) touched[obstacle].row(at) += impulse.array().transpose();
+  }
   /// Nothing yet in this communication step.
   void clear() {
     for (auto* impulses : {&planes, &pins})
       for (Impulse& impulse : *impulses) impulse = {};
+    for (Points& impulses : touched) impulses.setZero();
     dissipated = work = 0;
     contacts_resolved = 0;
   }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.planes, s.pins, s.dissipated, s.work, s.contacts_resolved);
+    return fields(s.planes, s.pins, s.touched, s.dissipated, s.work, s.contacts_resolved);
   }
 };
 static_assert(visits_every_field<Exchange>);

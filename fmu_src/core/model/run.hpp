@@ -281,6 +281,20 @@ struct EnergyAccount {
 };
 static_assert(visits_every_field<EnergyAccount>);
 
+/// What a patch of the surface felt in the last communication step.
+struct SensorReading {
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< on it, torque about its centre [N, N m]
+  double area = 0;                                   ///< that touched [m2]
+  double pressure = 0, peak = 0;                     ///< mean over that area, and largest [Pa]
+  Points taxels;                                     ///< force on each [N]
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.force, s.torque, s.area, s.pressure, s.peak, s.taxels);
+  }
+};
+static_assert(visits_every_field<SensorReading>);
+
 struct Run {
   Path path;
   Course course;
@@ -291,11 +305,12 @@ struct Run {
   Count contacts_resolved = 0;
   std::vector<Count> contacts;  ///< control points, or samples of the surface, on each plane at the communication point
   std::vector<Vec3> centres;    ///< of pressure on each plane in the last communication step, where the plane was at its end [m]
+  std::vector<SensorReading> sensors;
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.path, s.course, s.energy, s.exchange_time, s.dissipated, s.work, s.potential, s.outside, s.contacts_resolved,
-                  s.contacts, s.centres);
+                  s.contacts, s.centres, s.sensors);
   }
 };
 static_assert(visits_every_field<Run>);

@@ -26,6 +26,13 @@ struct Readings {
   Vec3 plane_torque(int q) const { return now.path.exchange.planes[q].torque / now.exchange_time; }
   const Vec3& plane_centre(int q) const { return now.centres[q]; }
   Count plane_contacts(int q) const { return now.contacts[q]; }
+  const SensorReading& sensor(int n) const { return now.sensors[n]; }
+  /// Force on a taxel, by its number among those of all sensors [N].
+  Vec3 taxel(int n) const {
+    std::size_t of = 0;
+    for (; n >= now.sensors[of].taxels.rows(); ++of) n -= int(now.sensors[of].taxels.rows());
+    return row(now.sensors[of].taxels, n);
+  }
   Vec3 pin_reaction(int a) const { return now.path.exchange.pins[a].force / now.exchange_time; }
   Vec3 pin_torque(int a) const { return now.path.exchange.pins[a].torque / now.exchange_time; }
 

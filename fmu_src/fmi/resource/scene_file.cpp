@@ -22,6 +22,8 @@ namespace {
 
 /// By how much of a side rounding may take a sample out of the box.
 constexpr double outside = 1e-9;
+/// Along a side of a sensor.
+constexpr int most_taxels = 64;
 
 /// The words of one record, taken one by one.
 class Record {
@@ -192,6 +194,27 @@ void read_probe_outputs(Record& r, SceneFile& s) {
   const std::map<std::string_view, bool*> outputs{{"stress", &probe.stress}, {"von_mises", &probe.von_mises}, {"stretch", &probe.stretch}};
   while (r.more()) *r.choice(outputs) = true;
 }
+/// Of the surface at each control point, or at each sample.
+void read_areas(Record& r, SceneFile& s) {
+  while (r.more()) s.definition.sensed.areas.push_back(r.vector());
+}
+void read_sensor(Record& r, SceneFile& s) {
+  s.sensors.emplace_back(r.word());
+  s.definition.sensed.patches.push_back({.places = r.points(int(s.definition.sensed.areas.size()))});
+  if (s.definition.sensed.patches.back().places.empty()) r.fail("a sensor without places");
+}
+/// Of the sensor of the record before: how many there are, and the parts of places.
+void read_taxels(Record& r, SceneFile& s) {
+  if (s.sensors.empty()) r.fail("there is no sensor before it");
+  Patch& patch = s.definition.sensed.patches.back();
+  for (int& n : patch.taxels) n = r.integer(1, most_taxels);
+  for (int i = 0; i < patch.taxels[0]; ++i)
+    for (int j = 0; j < patch.taxels[1]; ++j) s.taxels.push_back({int(s.sensors.size()) - 1, {i, j}});
+  while (r.more()) {
+    const int place = r.integer(0, int(s.definition.sensed.areas.size()) - 1), taxel = r.integer(0, patch.taxel_count() - 1);
+    patch.shares.push_back({place, taxel, r.at_least(0)});
+  }
+}
 void read_initial(Record& r, SceneFile& s) {
   Definition& d = s.definition;
   d.stretch = r.vector();
@@ -209,8 +232,9 @@ void read_poissons_ratio(Record& r, SceneFile& s) {
   if (!(*s.poissons_ratio <= row->max)) r.fail("Poisson's ratio is above its largest value");
 }
 void read_basis(Record& r, SceneFile& s) {
-  s.basis = r.choice<Basis>({{"bezier", Basis::bezier}, {"bspline", Basis::bspline}, {"patches", Basis::patches}});
-  s.definition.lattice.lobatto = s.basis == Basis::patches;
+  Basis& basis = s.definition.sensed.basis;
+  basis = r.choice<Basis>({{"bezier", Basis::bezier}, {"bspline", Basis::bspline}, {"patches", Basis::patches}});
+  s.definition.lattice.lobatto = basis == Basis::patches;
 }
 void read_modulus(Record& r, SceneFile& s) {
   s.modulus = r.positive();
@@ -256,6 +280,9 @@ constexpr Reader readers[] = {
        s.probes.push_back({name, r.vector()});
      }},
     {"probe_outputs", read_probe_outputs},
+    {"areas", read_areas},
+    {"sensor", read_sensor},
+    {"sensor_taxels", read_taxels},
     {"sample", [](Record& r, SceneFile& s) { s.samples.push_back(r.vector()); }},
     {"forces", [](Record& r, SceneFile& s) { s.forces = r.points(count(s)); }},
     {"positions", [](Record& r, SceneFile& s) { s.positions = r.points(count(s)); }},
@@ -342,7 +369,14 @@ void take_samples(SceneFile& s) {
     refuse(
         "the method does not support contact of the surface; wanted auto, leapfrog, bm4, rkn12, dop853, ros34pw2, backward_euler or "
         "sdirk2");
-  d.samples = std::make_shared<const Samples>(s.basis, d.lattice, s.samples);
+  d.samples = std::make_shared<const Samples>(d.sensed.basis, d.lattice, s.samples);
+}
+
+void check_sensors(const SceneFile& s) {
+  const Definition& d = s.definition;
+  const std::size_t places = d.samples ? s.samples.size() : std::size_t(count(s));
+  if (!s.sensors.empty() && (d.planes == 0 || d.sensed.areas.size() != places))
+    throw SceneFileError("resources/scene.txt: sensors need an obstacle, and an area of the surface for each place that may touch it");
 }
 
 }  // namespace
@@ -363,6 +397,7 @@ SceneFile parse_scene(std::string_view text) {
   check_complete(scene);
   share_loads(scene);
   take_samples(scene);
+  check_sensors(scene);
   return scene;
 }
 

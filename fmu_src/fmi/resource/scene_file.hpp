@@ -46,6 +46,11 @@ struct SceneFile {
     bool stress = false, von_mises = false, stretch = false;  ///< of a solid: outputs
   };
 
+  struct Taxel {
+    int sensor;
+    std::array<int, 2> at;
+  };
+
   std::string guid;
   Definition definition;
   Stiffness stiffness;                   ///< of a scene without modulus
@@ -59,11 +64,12 @@ struct SceneFile {
   std::vector<Pin> pins;
   std::vector<Load> loads;
   std::vector<Probe> probes;
+  std::vector<std::string> sensors;                ///< names of the definition's patches
+  std::vector<Taxel> taxels;                       ///< of all of them, row by row
   std::vector<Vec3> samples;                       ///< of the surface, at rest [m]; none: planes meet the control points
   std::vector<int> forces, positions, velocities;  ///< control points with a variable
   bool flat_names = false;                         ///< position_0_1_2_x in the place of position[0,1,2].x
   bool reactions = false, energy = false, solver = false, error_estimate = false;
-  Basis basis = Basis::bezier;
   int method = 1;
   double tolerance = 1e-4, step = 0;
   int threads = 1;

@@ -2,6 +2,7 @@
 ///
 ///   position, velocity, force    one array for all control points that the scene lists: (ni, nj, nk, 3) where they fill a box of the
 ///                                lattice, in ascending order, else (points, 3)
+///   taxels of a sensor           (n, m, 3)
 ///   vectors                      (3) or (4); of a pose that is partly input, partly parameter, a scalar each
 ///
 /// Elements stand as FMI 3.0 has them, row by row: the last index runs fastest, whereas i does where the scene lists points.
@@ -46,6 +47,12 @@ std::vector<fmi2ValueReference> Variables::of_points(std::size_t row) const {
   return elements;
 }
 
+/// Are they of one instance, or cells of one grid?
+bool Variables::together(const Variable& one, const Variable& other) const {
+  const PartBinding& part = binding_of(one.info().part);
+  return one.instance() == other.instance() || (part.cell && part.name(scene_, member(one)) == part.name(scene_, member(other)));
+}
+
 std::vector<Variables::Array> Variables::arrays() const {
   std::vector<Array> found;
   for (std::size_t row = 0; row < family_count; ++row) {
@@ -56,8 +63,8 @@ std::vector<Variables::Array> Variables::arrays() const {
     }
     const fmi2ValueReference base = fmi2ValueReference(families[row].family) << 24;
     for (int index = 0, behind = 0; index < count(row); index = behind) {
-      while (behind < count(row) && variable(row, behind).instance() == variable(row, index).instance()) ++behind;
-      const bool whole = behind - index == components_of(row);
+      while (behind < count(row) && together(variable(row, behind), variable(row, index))) ++behind;
+      const bool whole = behind - index >= components_of(row);
       for (int n = index; n < behind; ++n) {
         if (n == index || !whole) found.push_back({{}, output});
         found.back().elements.push_back(base | fmi2ValueReference(n));

@@ -61,6 +61,7 @@ std::vector<int> probes_with(const SceneFile& s) {
   return members;
 }
 
+std::string sensor(const SceneFile& s, int member) { return s.sensors[member]; }
 std::string obstacle(const SceneFile& s, int member) { return s.planes[member].path(); }
 
 constexpr auto planes = &SceneFile::planes;
@@ -69,14 +70,14 @@ constexpr auto pins = &SceneFile::pins;
 constexpr PartBinding part_bindings[] = {
     {Part::forces, listed<&SceneFile::forces>, nullptr, true},
     {Part::loads, all<&SceneFile::loads>, name_in<&SceneFile::loads>},
-    {Part::input_planes, all<planes>, obstacle, false, by_input<planes>},
-    {Part::input_normals, with_normal, obstacle, false, by_input<planes>},
-    {Part::input_boxes, boxes, obstacle, false, by_input<planes>},
-    {Part::input_pins, moved<pins>, name_in<pins>, false, by_input<pins>},
-    {Part::fixed_planes, all<planes>, obstacle, false, by_input<planes>},
-    {Part::fixed_normals, with_normal, obstacle, false, by_input<planes>},
-    {Part::fixed_boxes, boxes, obstacle, false, by_input<planes>},
-    {Part::fixed_pins, moved<pins>, name_in<pins>, false, by_input<pins>},
+    {Part::input_planes, all<planes>, obstacle, false, nullptr, by_input<planes>},
+    {Part::input_normals, with_normal, obstacle, false, nullptr, by_input<planes>},
+    {Part::input_boxes, boxes, obstacle, false, nullptr, by_input<planes>},
+    {Part::input_pins, moved<pins>, name_in<pins>, false, nullptr, by_input<pins>},
+    {Part::fixed_planes, all<planes>, obstacle, false, nullptr, by_input<planes>},
+    {Part::fixed_normals, with_normal, obstacle, false, nullptr, by_input<planes>},
+    {Part::fixed_boxes, boxes, obstacle, false, nullptr, by_input<planes>},
+    {Part::fixed_pins, moved<pins>, name_in<pins>, false, nullptr, by_input<pins>},
     {Part::planes, all<planes>, obstacle},
     {Part::always, [](const SceneFile&) { return one_if(true); }},
     {Part::stiffness, [](const SceneFile& s) { return one_if(!s.modulus); }},
@@ -92,6 +93,9 @@ constexpr PartBinding part_bindings[] = {
     {Part::probe_stress, probes_with<&SceneFile::Probe::stress>, name_in<&SceneFile::probes>},
     {Part::probe_von_mises, probes_with<&SceneFile::Probe::von_mises>, name_in<&SceneFile::probes>},
     {Part::probe_stretch, probes_with<&SceneFile::Probe::stretch>, name_in<&SceneFile::probes>},
+    {Part::sensors, all<&SceneFile::sensors>, sensor},
+    {Part::taxels, all<&SceneFile::taxels>, [](const SceneFile& s, int member) { return s.sensors[s.taxels[member].sensor]; }, false,
+     [](const SceneFile& s, int member) { return s.taxels[member].at; }},
     {Part::plane_reactions, reacting<planes>, obstacle},
     {Part::pin_reactions, reacting<pins>, name_in<pins>},
     {Part::energy, [](const SceneFile& s) { return one_if(s.energy); }},
@@ -185,6 +189,12 @@ constexpr std::array<Binding, family_count> bindings{
     stress<1, 2>(Family::probe_stress_yz),
     output(Family::probe_von_mises, [](const Observed& o, int n, int) { return material_at(o, n).von_mises(); }),
     output(Family::probe_stretch, [](const Observed& o, int n, int) { return material_at(o, n).largest_stretch(); }),
+    output(Family::sensor_force, [](const Observed& o, int n, int axis) { return o.body.readings().sensor(n).force[axis]; }),
+    output(Family::sensor_torque, [](const Observed& o, int n, int axis) { return o.body.readings().sensor(n).torque[axis]; }),
+    output(Family::sensor_area, [](const Observed& o, int n, int) { return o.body.readings().sensor(n).area; }),
+    output(Family::sensor_pressure, [](const Observed& o, int n, int) { return o.body.readings().sensor(n).pressure; }),
+    output(Family::sensor_peak_pressure, [](const Observed& o, int n, int) { return o.body.readings().sensor(n).peak; }),
+    output(Family::sensor_taxel, [](const Observed& o, int n, int axis) { return o.body.readings().taxel(n)[axis]; }),
     output(Family::plane_reaction, [](const Observed& o, int q, int axis) { return o.body.readings().plane_reaction(q)[axis]; }),
     output(Family::plane_torque, [](const Observed& o, int q, int axis) { return o.body.readings().plane_torque(q)[axis]; }),
     output(Family::plane_centre, [](const Observed& o, int q, int axis) { return o.body.readings().plane_centre(q)[axis]; }),

@@ -23,8 +23,9 @@ constexpr std::size_t row_of(Family family) { return rows_by_id[std::size_t(fami
 struct PartBinding {
   Part part;
   std::vector<int> (*members)(const SceneFile& scene);
-  std::string (*name)(const SceneFile& scene, int member) = nullptr;  ///< what {name}, or {obstacle}, stands for
-  bool of_points = false;                                             ///< members are control points: {i} {j} {k}
+  std::string (*name)(const SceneFile& scene, int member) = nullptr;         ///< what {name}, or {obstacle}, stands for
+  bool of_points = false;                                                    ///< members are control points: {i} {j} {k}
+  std::array<int, 2> (*cell)(const SceneFile& scene, int member) = nullptr;  ///< {i} {j} of one that belongs to a grid with that name
   bool (*by_input)(const SceneFile& scene, int member,
                    std::string_view component) = nullptr;  ///< is this of its pose, as point.z, an input?
 };

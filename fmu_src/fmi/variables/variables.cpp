@@ -84,7 +84,7 @@ Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene)
   int most = 0;
   for (std::size_t row = 0; row < family_count; ++row) most += count(row);
   for (Meant* last : {&last_set_[0], &last_set_[1], &last_got_[0], &last_got_[1]}) last->reserve(most);
-  for (const auto& probe : scene.probes) probes_.push_back(embed(scene.basis, scene.definition.lattice, probe.at));
+  for (const auto& probe : scene.probes) probes_.push_back(embed(scene.definition.sensed.basis, scene.definition.lattice, probe.at));
   if (scene.definition.solid())
     for (const auto& probe : scene.probes) places_.emplace_back(scene.definition.lattice, probe.at);
   reset();
@@ -137,6 +137,11 @@ std::string Variables::name(fmi2ValueReference reference) const {
     replace(text, "{i}", std::to_string(own % counts[0]));
     replace(text, "{j}", std::to_string(own / counts[0] % counts[1]));
     replace(text, "{k}", std::to_string(own / counts[0] / counts[1]));
+  }
+  if (part.cell) {
+    const std::array<int, 2> at = part.cell(scene_, own);
+    replace(text, "{i}", std::to_string(at[0]));
+    replace(text, "{j}", std::to_string(at[1]));
   }
   if (part.name)
     for (const char* placeholder : {"{name}", "{obstacle}"}) replace(text, placeholder, part.name(scene_, own));

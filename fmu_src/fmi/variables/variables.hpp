@@ -112,6 +112,7 @@ class Variables {
   int count(std::size_t row) const;
   Variable variable(std::size_t row, int index) const { return {row, index, families[row].pose.empty() ? index : chosen_[row][index]}; }
   std::vector<fmi2ValueReference> of_points(std::size_t row) const;
+  bool together(const Variable& one, const Variable& other) const;
   template <class Motions>
   void follow_pose(Family pose, Motions& moved) const;
   void turn_fixed_pins(Settings& settings) const;

@@ -14,6 +14,7 @@ SCENE_NEEDS = {
     "positions": "[outputs] positions with this control point",
     "velocities": "[outputs] velocities with this control point",
     "input_pins": 'motion = "input" of the pin',
+    "taxels": "taxels of the sensor",
     "plane_reactions": "[outputs] reactions = true",
     "pin_reactions": "[outputs] reactions = true",
     "stiffness": "[material] stiffness in place of youngs_modulus",
@@ -68,7 +69,7 @@ def _row_of(name: str) -> dict[str, Any] | None:
 def _new_part(name: str) -> str:
     kind, _, rest = name.partition(".")
     part = rest.partition(".")[0]
-    if kind not in (*OBSTACLES, "pin", "load", "probe") or not part:
+    if kind not in (*OBSTACLES, "pin", "load", "probe", "sensor") or not part:
         return ""
     row = _row_of(name)
     needed = SCENE_NEEDS.get(row["part"]) if row else None

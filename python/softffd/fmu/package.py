@@ -14,6 +14,7 @@ import numpy as np
 
 from softffd.embedding.mass import Masses, point_masses
 from softffd.embedding.mass_solid import node_masses
+from softffd.embedding.patches import scene_patches
 from softffd.embedding.samples import Samples, surface_samples
 from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
@@ -122,7 +123,7 @@ def scene_texts(scene: Scene, fmi: int = 2) -> tuple[dict[str, bytes], list[Vari
     masses, samples = scene_masses(scene), scene_samples(scene)
     listed = variables(scene, masses.mass)
     description = (model_description if fmi == 2 else model_description3)(scene, listed)
-    records = scene_records(scene, masses, samples)
+    records = scene_records(scene, masses, samples, scene_patches(scene, samples))
     guid = _guid(description, records)
     texts = {"modelDescription.xml": completed(description, guid).encode(), f"resources/{NAME}": scene_text(records, guid).encode()}
     if notes := body_notes(scene, masses, samples):

@@ -15,6 +15,7 @@ from softffd.obstacles import Obstacles, SolidShape
 
 if TYPE_CHECKING:
     from softffd.embedding.mass import Masses
+    from softffd.embedding.patches import Patches
     from softffd.embedding.samples import Samples
     from softffd.scene.scene import Scene
 
@@ -22,7 +23,7 @@ NAME, HEAD = "scene.txt", "softffd-scene 2"
 T = TypeVar("T")
 
 
-def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) -> str:
+def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None, sensed: Patches | None = None) -> str:
     """All records but the guid; what the scene does not need is absent."""
     from softffd.scene.rigid import Box, Plane  # brings pydantic along, which those who have an FMU do without
 
@@ -81,6 +82,12 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None) 
         add("probe_outputs", *shown, when=bool(shown))
     for place in samples.places if samples is not None else ():
         add("sample", *place)
+    if sensed is not None:
+        add("areas", *sensed.areas.ravel())
+        for patch in sensed.patches:
+            add("sensor", patch.name, *patch.places)
+            if patch.taxels:
+                add("sensor_taxels", *patch.taxels, *(word for share in patch.shares for word in share))
     outputs = scene.outputs
     for key, selection in (("forces", scene.inputs.forces), ("positions", outputs.positions), ("velocities", outputs.velocities)):
         points = scene.select(selection)

@@ -4,6 +4,7 @@ There is one list, of arrays, as FMI 3.0 has them (fmu_src/fmi/variables/arrays.
 
     position, velocity, force    one array for all control points that the scene lists: (ni, nj, nk, 3) where they fill a box of the
                                  lattice, in ascending order, else (points, 3)
+    taxels of a sensor           (n, m, 3)
     vectors                      (3,) or (4,); of a pose that is partly input, partly parameter, a scalar each
 
 An element has the value reference of the array's first plus its place in it.
@@ -16,13 +17,14 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from softffd.installed import table
 from softffd.lattice import all_points
-from softffd.names import Instance, variable_name
+from softffd.names import Cell, Instance, flat_form, variable_name
 
 if TYPE_CHECKING:
     from softffd.scene.rigid import Box, Cylinder, Pin, Plane, Sphere
@@ -74,6 +76,9 @@ class Variable:
         """Of the whole. flat: the names' form (softffd.names)."""
         if self.family["part"] in OF_POINTS:
             return str(self.family["name"]).partition("[")[0]
+        if self.family["part"] == "taxels":
+            stem = str(self.family["name"]).partition("[")[0].format(**self.instances[0])
+            return flat_form(stem) if flat else stem
         return variable_name(self.family["key"], _instance(self.instances[0]), "" if self.shape else self.components, flat=flat)
 
     @property
@@ -83,6 +88,7 @@ class Variable:
         if self.family["part"] in OF_POINTS:
             _, which = _box([_instance(words) for words in self.instances])
             text = text.replace("control point ({i},{j},{k})", f"the control points {which}")
+        text = text.replace("taxel ({i},{j})", "each taxel (i,j)")
         return text.format(**self.instances[0], c=self.components)
 
     def elements(self, *, flat: bool = False) -> Iterator[tuple[str, str]]:
@@ -122,7 +128,9 @@ def internal_damping_present(scene: Scene) -> bool:
 
 def _instance(words: Words) -> Instance:
     """What stands in a name for a part or a control point."""
-    return (words["i"], words["j"], words["k"]) if "i" in words else words.get("part", words.get("name"))
+    if "k" in words:
+        return words["i"], words["j"], words["k"]
+    return words.get("cell", words.get("part", words.get("name")))
 
 
 def _point(scene: Scene, p: int) -> dict[str, Any]:
@@ -188,6 +196,13 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "velocities": points(scene.outputs.velocities),
         "probes": [{"name": probe.name} for probe in scene.probe],
         **{f"probe_{word}": [{"name": probe.name} for probe in scene.probe if getattr(probe, word)] for word in PROBED},
+        "sensors": [{"name": sensor.name} for sensor in scene.sensor],
+        "taxels": [
+            {"name": sensor.name, "cell": Cell(sensor.name, i, j), "i": i, "j": j, "sides": sensor.taxels}
+            for sensor in scene.sensor
+            if sensor.taxels
+            for i, j in np.ndindex(*sensor.taxels)
+        ],
         "plane_reactions": [each | {"touching": touching} for each in surfaces] if scene.outputs.reactions else [],
         "pin_reactions": [{"name": pin.name} for pin in pins] if scene.outputs.reactions else [],
         "energy": when(scene.outputs.energy),
@@ -229,6 +244,11 @@ def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
         if families[0]["part"] in OF_POINTS:
             if instances:
                 add(families[0], instances, components, (*_box([_instance(words) for words in instances])[0], len(components)))
+            continue
+        if families[0]["part"] == "taxels":
+            for _, cells in groupby(instances, key=lambda words: words["name"]):
+                grid = list(cells)
+                add(families[0], grid, components, (*grid[0]["sides"], len(components)))
             continue
         for words in instances:
             owners = [_owner(families, words, component) for component in components or " "]

@@ -25,6 +25,7 @@ class Variables(Protocol):
 
     def vector(self, name: str) -> np.ndarray: ...
     def number(self, name: str) -> float | int: ...
+    def cells(self, stem: str) -> np.ndarray: ...
     def __setitem__(self, name: str, value: Any) -> None: ...
 
 
@@ -107,6 +108,22 @@ class Pin(Part):
     angular_velocity = _vector("(3,) rad/s")
     reaction = _vector("(3,) N: force of the object on its fixture, mean of the last communication step")
     torque = _vector("(3,) N.m about the frame's origin, mean of the last communication step")
+
+
+class Sensor(Part):
+    """A patch of the surface, and what obstacles do to it: means over the last communication step."""
+
+    __slots__ = ()
+    force = _vector("(3,) N, on the patch")
+    torque = _vector("(3,) N.m about the centre of the patch")
+    area = _number("m2 of the patch that touched, as it is now")
+    pressure = _number("Pa, mean over that area")
+    peak_pressure = _number("Pa, largest at a place")
+
+    @property
+    def taxels(self) -> np.ndarray:
+        """(n, m, 3) N: the force on each taxel; they sum to `force`."""
+        return self.simulation.cells(f"{self.path}.taxel")
 
 
 class Parts(Mapping[str, T]):

@@ -15,8 +15,8 @@ from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import Block, number_of, one_number
 from softffd.fmu.component import Component, Message
 from softffd.fmu.interface import ScalarVariable
-from softffd.names import OBSTACLES, components_in, part_names, parts_of, vectors_in
-from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Vectors
+from softffd.names import OBSTACLES, Cell, components_in, flat_form, parse_name, part_names, parts_of, vectors_in
+from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Sensor, Vectors
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -161,7 +161,7 @@ class Simulation:
 
     def __repr__(self) -> str:
         counts = f": {' x '.join(map(str, self.lattice.points))} control points" if self.lattice else ""
-        kinds = (*OBSTACLES, "pin", "load", "probe")
+        kinds = (*OBSTACLES, "pin", "load", "probe", "sensor")
         parts = [f"{kind} {', '.join(found)}" for kind in kinds if (found := part_names(self.variables, kind))]
         return "\n  ".join([f"Simulation of {self.component.interface.title} at {self.time:.6g} s{counts}", *parts])
 
@@ -244,6 +244,15 @@ class Simulation:
         if name in self.variables:
             raise FmuError(f"{name}: wanted a vector, got a single number of that name")
         return self._block(name).get().astype(float)
+
+    def cells(self, stem: str) -> np.ndarray:
+        """Vectors (n, m, 3) of the cells of a grid, as of sensor.foot.taxel, a copy."""
+        found = {name: parse_name(name) for name in self.component.by_name if name.startswith((f"{stem}[", f"{flat_form(stem)}_"))}
+        grid = [(name, parsed.instance) for name, parsed in found.items() if parsed and isinstance(parsed.instance, Cell)]
+        if not grid:
+            raise UnknownName(f"{stem}[i,j]: the FMU has no such variables{self.component.hint(stem, self.variables)}")
+        sides = [max(index) + 1 for index in zip(*((cell.i, cell.j) for _, cell in grid), strict=True)]
+        return self.component.block([name for name, _ in grid]).get().astype(float).reshape(*sides, 3)
 
     def _components(self, name: str) -> list[str]:
         """The scalar variables that a name means: itself, or its components; of `stiffness` those of the kinds of springs."""
@@ -343,6 +352,11 @@ class Simulation:
     def probe(self) -> Vectors:
         """The probes by name: points (3,) [m] of the object where it is now."""
         return Vectors("probe", part_names(self.variables, "probe"), self)
+
+    @cached_property
+    def sensor(self) -> Parts[Sensor]:
+        """The sensors by name: .force .torque .area .pressure .peak_pressure .taxels"""
+        return Parts("sensor", part_names(self.variables, "sensor"), lambda name: Sensor(self, f"sensor.{name}"))
 
     @cached_property
     def force(self) -> PointVectors:

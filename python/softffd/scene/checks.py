@@ -10,6 +10,7 @@ from softffd.lattice import point_at
 from softffd.names import Part, flat_form, mistaken, structured
 from softffd.scene.cells import MOST, cells_of
 from softffd.scene.checks_material import material_check
+from softffd.scene.checks_sensor import sensor_check
 from softffd.scene.checks_solid import solid_check
 from softffd.scene.draft import MEETING, Draft
 from softffd.scene.faults import Fault, KeyPath, either, path_text, toml_text
@@ -24,7 +25,7 @@ def cross_check(draft: Draft) -> list[Fault]:
     """The problems between the sound keys of a draft. A check of a single key need not ask whether that is sound; one of others does."""
     checks = (
         _names, _idle_inputs, _counts, _selections, _mass, _inertia, _margin, _box, _control_points, _probes, material_check, solid_check,
-        _contact,
+        _contact, sensor_check,
     )  # fmt: skip
     with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
         found = [fault for check in checks for fault in check(draft)]
@@ -33,7 +34,7 @@ def cross_check(draft: Draft) -> list[Fault]:
 
 def _names(draft: Draft) -> Iterator[Fault]:
     obstacles: dict[str, KeyPath] = {}  # whose variables begin alike
-    for section in (*OBSTACLES, "pin", "load", "probe"):
+    for section in (*OBSTACLES, "pin", "load", "probe", "sensor"):
         owners = obstacles if section in OBSTACLES else {}
         for position, item in enumerate(getattr(draft.keys, section)):
             path = (section, position, "name")

@@ -4,6 +4,7 @@ from typing import Any
 
 from softffd.scene import rigid, sections
 from softffd.scene.section import Section, Text, key
+from softffd.scene.sensor import Sensor
 
 SOLIDS = ("sphere", "cylinder", "box")
 OBSTACLES = ("plane", *SOLIDS)
@@ -30,6 +31,7 @@ class SceneKeys(Section):
     inputs: sections.Inputs = key(sections.Inputs(), "inputs besides those of planes, pins and loads")
     initial: sections.Initial = key(sections.Initial(), "the state at the start")
     probe: tuple[sections.Probe, ...] = key((), "points followed through the deformation")
+    sensor: tuple[Sensor, ...] = key((), "patches of the surface whose contact forces are outputs")
     outputs: sections.Outputs = key(sections.Outputs(), "outputs of the FMU")
     solver: sections.Solver = key(sections.Solver(), "time integration")
     experiment: sections.Experiment = key(sections.Experiment(), "the FMU's default experiment")

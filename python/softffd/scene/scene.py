@@ -56,7 +56,7 @@ class Scene(SceneKeys):
         return scene
 
     def __repr__(self) -> str:
-        box, kinds = self.lattice_box, (*OBSTACLES, "pin", "load", "probe")
+        box, kinds = self.lattice_box, (*OBSTACLES, "pin", "load", "probe", "sensor")
         counts, sides = (" × ".join(f"{n:.4g}" for n in triple) for triple in (box.points, box.size))
         mesh = f", mesh {self.mesh.file.name}" if self.mesh else ""
         parts = [f"{kind} {', '.join(part.name for part in found)}" for kind in kinds if (found := getattr(self, kind))]

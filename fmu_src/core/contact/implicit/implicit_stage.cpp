@@ -322,6 +322,7 @@ void ImplicitStage::book(const Step& step, double weight, Exchange& exchange) co
   for (const Reaction& each : reactions_) {
     const Vec3 arm = touches_->value(each, x) - touches_->plane(each.plane).point, taken = weight * impulse(step, each);
     exchange.planes[each.plane].add(-taken, arm);
+    exchange.touch(each.plane, each.at, taken);
     if (around.planes[each.plane].PlaneMotion::solid()) exchange.planes[each.plane].press(each.normal.dot(taken), arm);
     exchange.contacts_resolved += each.first;
   }

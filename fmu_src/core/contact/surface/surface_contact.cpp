@@ -275,6 +275,7 @@ double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, dou
     const int q = stage.rows[t].plane;
     const Vec3 impulse = per_force * stage.force(int(t));
     taken.add(-impulse, places_[t] - end_[q].point);
+    exchange.touch(obstacle_[q], stage.rows[t].sample, impulse);
     if (step.around.planes[obstacle_[q]].PlaneMotion::solid()) taken.press(end_[q].normal.dot(impulse), places_[t] - end_[q].point);
     if (q >= flat_ || !still_[q]) work += impulse.dot(end_[q].material_velocity(places_[t]));
     if (t + 1 < stage.rows.size() && stage.rows[t + 1].plane == q) continue;

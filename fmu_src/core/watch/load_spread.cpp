@@ -1,0 +1,176 @@
+#include "watch/load_spread.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace softffd {
+
+namespace {
+
+/// Part of the largest product of weights below which samples are combinations of those before; part of a matrix that keeps weak fields
+/// out.
+constexpr double same = 1e-12, weak = 1e-12;
+/// What may be left of the control points' forces; more than `failed` of them: the share is not taken.
+constexpr double done = 1e-11, failed = 1e-6;
+/// Cells over which a force spreads: a little more than the widest distance of a patch's nodes.
+constexpr double wide = 1.5;
+constexpr int most_rounds = 20, balance_rounds = 12;
+
+/// forces += what is missing to this sum, as the weights are.
+void complete(const Scalars& weight, const Vec3& missing, Points& forces) {
+  forces.matrix() += (weight / weight.sum()).matrix() * missing.transpose();
+}
+
+}  // namespace
+
+void SharedLoad::take(const std::vector<Touch>& touches) {
+  const int count = int(touches.size());
+  samples.resize(count);
+  touching.resize(count);
+  for (Scalars* each : {&area, &along}) each->resize(count);
+  for (Points* each : {&place, &normal, &across}) each->resize(count, 3);
+  for (int t = 0; t < count; ++t) {
+    const Touch& each = touches[t];
+    samples[t] = each.at;
+    touching[t] = each.touches;
+    area[t] = each.area;
+    along[t] = std::max(each.normal.dot(each.force), 0.0);
+    set_row(place, t, each.place);
+    set_row(normal, t, each.normal);
+    set_row(across, t, each.force - along[t] * each.normal);
+  }
+}
+
+void LoadSpread::share(SharedLoad& load) {
+  if (load.count() < 2 || !(load.along.sum() > 0) || !(load.area.minCoeff() > 0)) return;
+  Vec3 sum = Vec3::Zero();
+  for (int t = 0; t < load.count(); ++t) sum += load.force(t);
+  share_touching(load);
+  smooth(load);
+  for (int t = 0; t < load.count(); ++t) sum -= load.force(t);
+  complete(load.along, sum, load.across);
+}
+
+void LoadSpread::share_touching(SharedLoad& load) {
+  chosen_.clear();
+  std::vector<int> samples;
+  for (int t = 0; t < load.count(); ++t)
+    if (load.touching[t]) chosen_.push_back(t), samples.push_back(load.samples[t]);
+  if (samples.size() < 2) return;
+  if (samples != touching_) {
+    touching_ = std::move(samples);
+    find_fields();
+  }
+  Scalars forces = load.along(chosen_);
+  Points rest = load.across(chosen_, Eigen::all);
+  if (!along(load.area(chosen_), forces)) return;
+  load.along(chosen_) = forces;
+  if (across(forces, rest)) load.across(chosen_, Eigen::all) = rest;
+}
+
+/// By Cholesky's factorization with pivots.
+void LoadSpread::find_fields() {
+  const int count = int(touching_.size());
+  const Scalars once = Scalars::Ones(samples_.lattice().points());
+  Scalars weights(samples_.support()), left(count), column(count);
+  for (int t = 0; t < count; ++t) {
+    samples_.weights(touching_[t], once, weights.data());
+    left[t] = samples_.product(touching_[t], touching_[t], weights.data());
+  }
+  const double least = same * left.maxCoeff();
+  fields_.resize(count, 0);
+  int rank = 0;
+  for (Eigen::Index pivot; rank < count && left.maxCoeff(&pivot) > least; ++rank) {
+    if (rank == fields_.cols()) fields_.conservativeResize(count, std::min(count, std::max(16, 2 * rank)));
+    samples_.weights(touching_[pivot], once, weights.data());
+    for (int t = 0; t < count; ++t) column[t] = samples_.product(touching_[t], touching_[pivot], weights.data());
+    column.matrix() -= fields_.leftCols(rank) * fields_.row(pivot).head(rank).transpose();
+    fields_.col(rank) = column / std::sqrt(left[pivot]);
+    left -= fields_.col(rank).array().square();
+    left[pivot] = 0;
+  }
+  fields_.conservativeResize(count, rank);
+}
+
+void LoadSpread::factor(const Scalars& weight) {
+  Eigen::MatrixXd matrix = fields_.transpose() * weight.matrix().asDiagonal() * fields_;
+  matrix.diagonal().array() += weak * matrix.trace();
+  factor_.compute(matrix);
+}
+
+/// Of the parts along the normals. false: there is no such share, or none was found.
+bool LoadSpread::along(const Scalars& area, Scalars& forces) {
+  const double sum = forces.sum();
+  const Eigen::VectorXd wanted = fields_.transpose() * forces.matrix();
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(fields_.cols()), missing = wanted;
+  Scalars pressure = Scalars::Ones(area.size()), found;  // all push at first
+  for (int round = 0; round < most_rounds && missing.norm() > done * wanted.norm(); ++round) {
+    factor((pressure > 0).select(area, 0.0));
+    y += factor_.solve(missing);
+    pressure = (fields_ * y).array();
+    found = area * pressure.max(0.0);
+    missing = wanted - fields_.transpose() * found.matrix();
+  }
+  if (!(missing.norm() <= failed * wanted.norm()) || !(found.sum() > 0)) return false;
+  forces = (sum / found.sum()) * found;
+  return true;
+}
+
+/// Of the rest, by weights, of any sign.
+bool LoadSpread::across(const Scalars& weight, Points& forces) {
+  const Eigen::MatrixXd wanted = fields_.transpose() * forces.matrix();
+  factor(weight);
+  Eigen::MatrixXd y = factor_.solve(wanted);
+  for (int again = 0; again < 2; ++again) y += factor_.solve(wanted - fields_.transpose() * (weight.matrix().asDiagonal() * (fields_ * y)));
+  Points found = (fields_ * y).array().colwise() * weight;
+  complete(weight, (forces - found).colwise().sum().matrix().transpose(), found);
+  if (!found.allFinite()) return false;
+  forces = found;
+  return true;
+}
+
+/// Pairs of samples that are within that at rest.
+void LoadSpread::find_near(const SharedLoad& load) {
+  if (load.samples == near_of_) return;
+  near_of_ = load.samples;
+  near_.clear();
+  const Lattice& lattice = samples_.lattice();
+  const Vec3 reach = wide * lattice.cell();
+  for (int s = 0; s < load.count(); ++s)
+    for (int t = 0; t <= s; ++t) {
+      const Vec3 apart = (samples_.place(load.samples[s]) - samples_.place(load.samples[t])).cwiseAbs().cwiseQuotient(reach);
+      if (apart.maxCoeff() < 1) near_.push_back({s, t, (1 - apart.array()).prod()});
+    }
+}
+
+void LoadSpread::smooth(SharedLoad& load) {
+  find_near(load);
+  const int count = load.count();
+  const auto times = [&](const Scalars& values) {
+    Scalars sums = Scalars::Zero(count);
+    for (const auto& [one, other, part] : near_) {
+      sums[one] += part * values[other];
+      if (one != other) sums[other] += part * values[one];
+    }
+    return sums;
+  };
+  Scalars balance = (times(load.area)).sqrt().inverse();
+  for (int round = 0; round < balance_rounds; ++round) balance = (balance / times(load.area * balance)).sqrt();
+  const Scalars kept = balance * times(load.area * balance);  // of each force, to rounding 1
+  const auto spread = [&](const Scalars& forces) { return Scalars(load.area * balance * times(balance * forces / kept)); };
+  const Points pushed = load.normal.colwise() * load.along;
+  const Vec3 facing = pushed.colwise().sum().matrix().transpose().normalized();
+  const Eigen::Matrix<double, Eigen::Dynamic, 3> flat = load.place.matrix() * (Eigen::Matrix3d::Identity() - facing * facing.transpose());
+  const Eigen::RowVector3d moment = load.along.matrix().transpose() * flat;
+  load.along = spread(load.along);
+  for (int axis = 0; axis < 3; ++axis) load.across.col(axis) = spread(load.across.col(axis));
+  const double sum = load.along.sum();
+  const Eigen::RowVector3d centre = load.along.matrix().transpose() * flat / sum;
+  const Eigen::Matrix<double, Eigen::Dynamic, 3> arms = flat.rowwise() - centre;
+  Eigen::Matrix3d inertia = arms.transpose() * load.along.matrix().asDiagonal() * arms;
+  inertia.diagonal().array() += weak * inertia.trace();
+  const Scalars factors = 1 + (arms * inertia.ldlt().solve((moment - sum * centre).transpose())).array();
+  if (factors.minCoeff() > 0) load.along *= factors * (sum / (load.along * factors).sum());
+}
+
+}  // namespace softffd

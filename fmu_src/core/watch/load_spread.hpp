@@ -1,0 +1,74 @@
+/// How samples of the surface that touch an obstacle share its load. The contact rule finds what moves the body; where the samples are
+/// closer than the lattice can tell it leaves open which of them push, and takes a few. What is shown is in two steps.
+///
+/// Of the samples in touch the share of least norm that moves the control points alike,
+///
+///      min sum_s f_s^2 / A_s        with  sum_s W_si f_s = sum_s W_si g_s for all control points i,   f_s >= 0,
+///
+/// g being the rule's forces and A_s the areas: f_s = A_s max(0, p_s) with a pressure p that is a field of the lattice, found by Newton's
+/// method (Mangasarian 2004, A Newton method for linear programming, has the same problem). On a flat face this is the smooth pressure.
+/// Where the surface is curved against the obstacle, the lattice touches it at a few points of a cell, and no other share is possible.
+///
+/// So each force then spreads over the samples that are near the obstacle and within a cell and a half of the lattice, by weights
+///
+///      f_s <- sum_t A_s c_s h_st c_t f_t,      h_st: from 1 at one place to 0 so far apart,
+///
+/// with c such that sums stay and an even pressure stays even (Sinkhorn and Knopp 1967). At last the centre of pressure is put back.
+#pragma once
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "model/samples.hpp"
+
+namespace softffd {
+
+struct Touch {
+  int at;              ///< control point or sample
+  bool touches;        ///< else it is near, and has no force so far
+  double area;         ///< that faces the obstacle [m2]
+  Vec3 place, normal;  ///< [m], unit vector of the obstacle there
+  Vec3 force;          ///< or impulse, on the body
+};
+
+/// The same as arrays, a row each, the force along the normal, >= 0, and across.
+struct SharedLoad {
+  std::vector<int> samples;
+  std::vector<char> touching;
+  Scalars area;
+  Points place, normal;
+  Scalars along;
+  Points across;
+
+  void take(const std::vector<Touch>& touches);
+  Vec3 force(int t) const { return along[t] * row(normal, t) + row(across, t); }
+  int count() const { return int(samples.size()); }
+};
+
+class LoadSpread {
+ public:
+  explicit LoadSpread(const Samples& samples) : samples_(samples) {}
+  /// The sum of all forces stays to rounding.
+  void share(SharedLoad& load);
+
+ private:
+  void share_touching(SharedLoad& load);
+  void find_fields();
+  void factor(const Scalars& weight);
+  bool along(const Scalars& area, Scalars& forces);
+  bool across(const Scalars& weight, Points& forces);
+  void find_near(const SharedLoad& load);
+  void smooth(SharedLoad& load);
+
+  struct Near {
+    int one, other;
+    double part;
+  };
+
+  const Samples& samples_;
+  std::vector<int> touching_, chosen_, near_of_;  ///< samples that fields_ and near_ are of; rows of the load in touch
+  Eigen::MatrixXd fields_;                        ///< (touching, rank): W W^T = fields fields^T
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  std::vector<Near> near_;
+};
+
+}  // namespace softffd

@@ -1,0 +1,179 @@
+"""Patches of the surface whose contact forces are read: their places, the area around each, and what each counts for a grid of taxels.
+
+A place is what touches obstacles: a sample of the surface (samples.py), or a control point of the lattice, or a node of a solid. The area
+around it at rest is a vector, outward: of a sample a third of the triangles at the vertices that are nearest to it; of a control point the
+integral of its weight over the sides of the box that it lies on, of a node its part of the quadrature.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softffd.embedding.basis import weights
+from softffd.embedding.nodes import axis_shares, rest_nodes
+from softffd.lattice import LatticeBox, to_flat
+from softffd.mesh.normals import area_vectors
+
+if TYPE_CHECKING:
+    from softffd.embedding.samples import Samples
+    from softffd.mesh.mesh import Mesh
+    from softffd.scene.scene import Scene
+    from softffd.scene.sensor import Sensor
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+FACES = {f"{'xyz'[axis]}{side}": (axis, sign) for axis in range(3) for side, sign in (("-", -1), ("+", 1))}
+TURNED = 1e-9
+"""By how much of its length the area of a triangle may face another side more, and still faces this one"""
+BLOCK = 1 << 24
+"""Distances at a time"""
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """places (m,): indices. shares: (place, taxel, part of the force on that place that counts for it); row by row, none without taxels."""
+
+    name: str
+    places: NDArray[np.int64]
+    taxels: tuple[int, int] | None
+    shares: list[tuple[int, int, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class Patches:
+    """areas: (P, 3) m2 at rest, outward, of every place."""
+
+    areas: Array
+    patches: list[Patch]
+
+
+def scene_patches(scene: Scene, samples: Samples | None) -> Patches | None:
+    """Those of the scene's sensors; None without any. samples: by which the scene's obstacles are met; None: by the control points."""
+    if not scene.sensor:
+        return None
+    if samples is None:
+        places, areas = lattice_places(scene.lattice_box, solid=scene.is_solid), lattice_areas(scene.lattice_box, solid=scene.is_solid)
+        chosen = [points_on(each, areas, places) for each in scene.sensor]
+    else:
+        mesh = scene.loaded_mesh
+        assert mesh is not None
+        places, of_vertex = samples.places, nearest(mesh.vertices, samples.places)
+        areas = np.zeros(places.shape)
+        np.add.at(areas, of_vertex[mesh.faces.ravel()], np.repeat(area_vectors(mesh.vertices[mesh.faces]) / 6, 3, axis=0))
+        chosen = []
+        for each in scene.sensor:
+            mask = np.zeros(len(places), dtype=bool)
+            mask[of_vertex[vertices_on(each, mesh)]] = True
+            chosen.append(mask)
+    return Patches(areas, [_patch(each, mask.nonzero()[0], places, areas) for each, mask in zip(scene.sensor, chosen, strict=True)])
+
+
+def lattice_places(box: LatticeBox, *, solid: bool) -> Array:
+    """Control points, or nodes of a solid, at rest (n, 3) m."""
+    return to_flat(rest_nodes(box.points, np.asarray(box.origin), np.asarray(box.size)) if solid else box.rest())
+
+
+def lattice_areas(box: LatticeBox, *, solid: bool) -> Array:
+    """The areas (n, 3) m2 around them, outward; 0 of those inside."""
+    shares = [axis_shares(n) if solid else _axis_shares(n, box.basis) for n in box.points]
+    areas = np.zeros((*box.points, 3))
+    for axis, (one, other) in enumerate(((1, 2), (0, 2), (0, 1))):
+        face = np.outer(shares[one], shares[other]) * box.size[one] * box.size[other]
+        for end, sign in ((0, -1), (-1, 1)):
+            np.moveaxis(areas[..., axis], axis, 0)[end] += sign * face
+    return to_flat(areas)
+
+
+def _axis_shares(n: int, basis: str) -> Array:
+    """The integral (n,) of each weight along an axis from 0 to 1."""
+    if basis == "bezier":
+        return np.full(n, 1 / n)
+    at, of = np.polynomial.legendre.leggauss(8)
+    pieces = 16 * n
+    return np.tile(of / (2 * pieces), pieces) @ weights(((np.arange(pieces)[:, None] + (at + 1) / 2) / pieces).ravel(), n, basis)
+
+
+def points_on(sensor: Sensor, areas: Array, places: Array) -> Mask:
+    """Which control points or nodes (n,) a sensor is on."""
+    if isinstance(sensor.on, str):
+        axis, sign = FACES[sensor.on]
+        return sign * areas[:, axis] > 0
+    return _inside(sensor.on.box, places) & areas.any(axis=1)
+
+
+def vertices_on(sensor: Sensor, mesh: Mesh) -> Mask:
+    """Which vertices (V,) of the mesh a sensor is on; of a group by the faces of that name."""
+    used = np.zeros(len(mesh.vertices), dtype=bool)
+    if isinstance(sensor.on, str):
+        used[mesh.faces[_facing(sensor.on, mesh) if sensor.on in FACES else _of_group(sensor.on, mesh)]] = True
+        return used
+    used[mesh.faces] = True
+    return used & _inside(sensor.on.box, mesh.vertices)
+
+
+def _facing(side: str, mesh: Mesh) -> Mask:
+    axis, sign = FACES[side]
+    normals = area_vectors(mesh.vertices[mesh.faces])
+    return sign * normals[:, axis] >= (1 - TURNED) * np.maximum(abs(normals).max(axis=1), np.finfo(float).tiny)
+
+
+def group_names(mesh: Mesh | None) -> list[str]:
+    """What groups of faces may be called: the names of groups and of objects."""
+    groups = mesh.looks.groups if mesh is not None else ()
+    return list(dict.fromkeys(name for group in groups for name in (group.group, group.object) if name))
+
+
+def _of_group(name: str, mesh: Mesh) -> Mask:
+    assert mesh.looks.group_of is not None
+    wanted = [number for number, group in enumerate(mesh.looks.groups) if name in group]
+    return np.isin(mesh.looks.group_of, wanted)
+
+
+def _inside(corners: tuple[tuple[float, float, float], tuple[float, float, float]], places: Array) -> Mask:
+    lower, upper = np.array(corners)
+    return np.asarray(((places >= lower) & (places <= upper)).all(axis=1))
+
+
+def nearest(places: Array, among: Array) -> NDArray[np.int64]:
+    """The index (n,) of what is nearest to each place (n, 3) among others (m, 3); the first of those that are equally near."""
+    found = np.empty(len(places), dtype=np.int64)
+    own = (among**2).sum(axis=1)
+    rows = max(1, BLOCK // len(among))
+    middle = among.mean(axis=0)
+    places, among = places - middle, among - middle
+    own = (among**2).sum(axis=1)
+    for start in range(0, len(places), rows):
+        block = slice(start, start + rows)
+        found[block] = (own - 2 * places[block] @ among.T).argmin(axis=1)
+    return found
+
+
+def _patch(sensor: Sensor, places: NDArray[np.int64], at: Array, areas: Array) -> Patch:
+    return Patch(sensor.name, places, sensor.taxels, _shares(places, at, areas, sensor.taxels) if sensor.taxels else [])
+
+
+def _shares(places: NDArray[np.int64], at: Array, areas: Array, taxels: tuple[int, int]) -> list[tuple[int, int, float]]:
+    """A place stands for a square of its area about it: each taxel gets what lies on it, along the two axes that the patch lies along."""
+    across = int(abs(areas[places].sum(axis=0)).argmax())
+    along = [axis for axis in range(3) if axis != across]
+    width = np.sqrt(np.linalg.norm(areas[places], axis=1))
+    parts = [_overlaps(at[places, axis], width, count) for axis, count in zip(along, taxels, strict=True)]
+    shares = parts[0][:, :, None] * parts[1][:, None, :]
+    return [(int(places[n]), int(i * taxels[1] + j), float(shares[n, i, j])) for n, i, j in zip(*shares.nonzero(), strict=True)]
+
+
+def _overlaps(at: Array, width: Array, count: int) -> Array:
+    """What of each interval about a place (n,), of this width [m], lies on each of so many cells between the first place and the last."""
+    lower, upper = at.min(), at.max()
+    if not upper > lower:
+        return np.full((len(at), count), 1 / count)
+    edges = np.linspace(lower, upper, count + 1)
+    half = np.maximum(width / 2, 1e-9 * (upper - lower))[:, None]
+    begin, end = np.maximum(at[:, None] - half, edges[:-1]), np.minimum(at[:, None] + half, edges[1:])
+    parts = np.maximum(end - begin, 0.0)
+    return np.asarray(parts / parts.sum(axis=1, keepdims=True))
