@@ -80,7 +80,8 @@ Run empty_run(const Definition& definition) {
   Run run;
   run.path.exchange.planes.resize(definition.planes);
   run.path.exchange.pins.resize(definition.pins.size());
-  const auto& [basis, patches, areas] = definition.sensed;
+  const auto& [basis, patches, followed, areas] = definition.sensed;
+  run.path.exchange.points.resize(followed.size());
   if (!patches.empty()) run.path.exchange.touched.assign(definition.planes, Points::Zero(int(areas.size()), 3));
   for (const Patch& patch : patches) run.sensors.push_back({.taxels = Points::Zero(patch.taxel_count(), 3)});
   run.contacts.resize(definition.planes);

@@ -54,7 +54,10 @@ SoftBody::SoftBody(Definition definition)
     drive_.pins.push_back(make_pin(definition_, definition_.pins[a], pin_origins_[a]));
   drive_.planes.resize(definition_.planes);
   if (definition_.samples && definition_.planes > 0) surface_ = std::make_unique<SurfaceContact>(model_.body, definition_.planes);
-  if (const Sensed& sensed = definition_.sensed; !sensed.patches.empty())
+  const Sensed& sensed = definition_.sensed;
+  if (!sensed.followed.empty()) followed_ = std::make_unique<FollowedPoints>(sensed, definition_.lattice);
+  if (followed_ && followed_->every_step()) propagator_.follow(*followed_);
+  if (!sensed.patches.empty())
     sensors_ = std::make_unique<Sensors>(sensed, definition_.lattice, surface_ ? definition_.samples.get() : nullptr);
   for (MarkedPoints* points : {&settings.force, &settings.force_rate, &settings.force_bend[0], &settings.force_bend[1]})
     points->change().setZero(n, 3);
@@ -220,6 +223,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   if (changed) take_material();
   const StepStatus status = refresh_drive();
   if (status != StepStatus::ok) return status;
+  if (followed_) followed_->begin(model_, now_);
   for (const Plane& plane : drive_.planes)  // distances are squared
     if (!std::isfinite(plane.pose_at(motion.time + H).point.squaredNorm())) return StepStatus::not_finite;
   exchange.clear();
@@ -250,6 +254,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   const StepStatus ran = propagator_.advance({model_, drive_, request, now_}, H);
   if (definition_.solids) meet_solids(drive_);
   if (ran != StepStatus::ok) return ran;
+  if (followed_) followed_->end(model_.body, H, now_);
   if (drive_.ramped)
     drive_.force_at(motion.time, now_.outside.change());
   else

@@ -118,9 +118,10 @@ class SoftBody {
   Contact jumps_;
   std::unique_ptr<SurfaceContact> surface_;  ///< where planes meet the surface: its jumps
   std::unique_ptr<Sensors> sensors_;         ///< where the scene has any
-  Points begin_;                             ///< positions at the start of the communication step, where they are not those of before
-  Loads loads_{};                            ///< that drive_.force is of
-  Count force_mark_ = 0;                     ///< of drive_.force
+  std::unique_ptr<FollowedPoints> followed_;
+  Points begin_;          ///< positions at the start of the communication step, where they are not those of before
+  Loads loads_{};         ///< that drive_.force is of
+  Count force_mark_ = 0;  ///< of drive_.force
   double divided_ = 1;    ///< by how much the last communication step's internal steps had to be divided to have a result
   double work_done_ = 0;  ///< of the last call
   double came_ = 0;       ///< by which the last call's first attempt moved the time [s]

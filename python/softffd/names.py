@@ -27,6 +27,11 @@ IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
 OBSTACLES = ("plane", "sphere", "cylinder", "box")
 """Kinds of obstacles"""
 
+PROBED = ("stress", "von_mises", "stretch", "velocity", "acceleration")
+"""What a probe may show beside its place"""
+LARGEST = ("velocity", "acceleration", "von_mises")
+"""Of which it may show the largest"""
+
 _INDEX = r"(?:0|[1-9]\d*)"
 _FLAT = str.maketrans({".": "_", "[": "_", ",": "_", "]": None})
 

@@ -62,12 +62,28 @@ Outcome Integrators::take(const StepContext& context, Method method, const Span&
   if (budget_.spent()) return outcome;
   const Count& contacts = context.run.path.exchange.contacts_resolved;
   const Count before = contacts;
-  outcome = take_span(context, method, {span.origin, span.first, span.h, span.steps, span.most_work, budget_.left(), span.way, span.again});
+  const Span within{span.origin, span.first, span.h, span.steps, span.most_work, budget_.left(), span.way, span.again};
+  outcome = followed_ ? take_followed(context, method, within) : take_span(context, method, within);
   budget_.spend(std::max(outcome.work, outcome.spent) +
                 double(contacts - before) * thresholds::contact_work * thresholds::patience(context.model.body.points()));
   if (outcome.status == StepStatus::ok && !tells_apart(context)) outcome.status = StepStatus::not_finite;
   if (outcome.status == StepStatus::not_finite && budget_.spent()) outcome.status = StepStatus::too_much_work;
   return outcome;
+}
+
+/// One by one.
+Outcome Integrators::take_followed(const StepContext& context, Method method, const Span& span) {
+  Outcome total;
+  for (Count i = 0; i < span.steps && total.status == StepStatus::ok; ++i) {
+    Outcome step = take_span(context, method, {span.origin, span.first + i, span.h, 1, span.most_work, span.budget, span.way, span.again});
+    followed_->step(context.model.body, span.h, context.run);
+    step.work += total.work;
+    step.spent += total.spent;
+    step.impacts += total.impacts;
+    step.error = worse(total.error, step.error);
+    total = step;
+  }
+  return total;
 }
 
 Outcome Integrators::take_span(const StepContext& context, Method method, const Span& span) {

@@ -11,6 +11,7 @@
 #include "kit/thresholds.hpp"
 #include "methods/one_step.hpp"
 #include "methods/traits.hpp"
+#include "watch/followed.hpp"
 
 namespace softffd {
 
@@ -43,12 +44,15 @@ class Integrators {
   /// implicit contact step, which would take over.
   bool passes(const StepContext& context, Method method, double t, double h, const Points& x0, const Points& v0, const Points& x,
               const Points& v);
+  /// Has every internal step looked at; null: none.
+  void follow(const FollowedPoints* points) { followed_ = points; }
   BroadPhase& broad_phase() { return broad_phase_; }
   /// Of the call; what is not taken by `take` is booked by who takes it.
   Budget& budget() { return budget_; }
 
  private:
   std::unique_ptr<Integrator> make(Method method);
+  Outcome take_followed(const StepContext& context, Method method, const Span& span);
   Outcome take_span(const StepContext& context, Method method, const Span& span);
 
   Lattice lattice_;
@@ -59,6 +63,7 @@ class Integrators {
   BroadPhase broad_phase_;
   Budget budget_;
   Points x0_, v0_;
+  const FollowedPoints* followed_ = nullptr;
 };
 
 }  // namespace softffd

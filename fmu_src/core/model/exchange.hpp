@@ -51,13 +51,31 @@ inline Vec3 centre_of_places(const HalfSpace& pose, const Impulse& on) {
   return on.pressed > 0 && arm.allFinite() ? Vec3(pose.point + arm) : pose.point;
 }
 
+/// Of a point that is followed, in the current communication step.
+struct PointReading {
+  Vec3 acceleration = Vec3::Zero();  ///< mean [m/s2]
+  // the largest:
+  double speed = 0;                 ///< [m/s]
+  double largest_acceleration = 0;  ///< of means over some time [m/s2]
+  double von_mises = 0;             ///< where the stress is wanted [Pa]
+  Vec3 from = Vec3::Zero();         ///< velocity when that time began [m/s]
+  double since = 0;                 ///< [s]
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.acceleration, s.speed, s.largest_acceleration, s.von_mises, s.from, s.since);
+  }
+};
+static_assert(visits_every_field<PointReading>);
+
 /// What the outside received during the current communication step. Energies only accumulate when they are asked for.
 struct Exchange {
-  std::vector<Impulse> planes;  ///< of the body on each obstacle, torque about the plane's point
-  std::vector<Impulse> pins;    ///< of the body on each fixture, torque about the frame's origin
-  std::vector<Points> touched;  ///< by each obstacle on each control point, or sample of the surface [N s]; none where no sensor asks
-  double dissipated = 0;        ///< energy lost to damping, friction and impacts [J]
-  double work = 0;              ///< work of moving obstacles and pins on the body [J]
+  std::vector<Impulse> planes;       ///< of the body on each obstacle, torque about the plane's point
+  std::vector<Impulse> pins;         ///< of the body on each fixture, torque about the frame's origin
+  std::vector<Points> touched;       ///< by each obstacle on each control point, or sample of the surface [N s]; none where no sensor asks
+  std::vector<PointReading> points;  ///< that are followed
+  double dissipated = 0;             ///< energy lost to damping, friction and impacts [J]
+  double work = 0;                   ///< work of moving obstacles and pins on the body [J]
   Count contacts_resolved = 0;
 
   /// Whoever holds or stops the body gives it an impulse [N s] at the end of an arm [m], moving with a velocity [m/s]: takes the reaction,
@@ -81,7 +99,7 @@ struct Exchange {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.planes, s.pins, s.touched, s.dissipated, s.work, s.contacts_resolved);
+    return fields(s.planes, s.pins, s.touched, s.points, s.dissipated, s.work, s.contacts_resolved);
   }
 };
 static_assert(visits_every_field<Exchange>);

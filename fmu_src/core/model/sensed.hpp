@@ -1,4 +1,5 @@
-/// Parts of the surface whose contact forces are read (watch/sensors.hpp). A place is a control point, or a sample of the surface where
+/// What is read of a body beside its state: contact forces on parts of the surface (watch/sensors.hpp), and points followed through a
+/// communication step (watch/followed.hpp). A place is a control point, or a sample of the surface where
 /// these meet obstacles.
 #pragma once
 #include <array>
@@ -20,9 +21,16 @@ struct Patch {
   int taxel_count() const { return taxels[0] * taxels[1]; }
 };
 
+struct FollowedPoint {
+  Vec3 at;               ///< at rest [m]
+  bool maximum = false;  ///< the largest values within a communication step
+  bool stress = false;   ///< of the stress too
+};
+
 struct Sensed {
   Basis basis = Basis::bezier;
   std::vector<Patch> patches = {};
+  std::vector<FollowedPoint> followed = {};
   std::vector<Vec3> areas = {};  ///< of the surface at each place at rest, outward [m2]; none without patches
 };
 

@@ -19,6 +19,8 @@ class Propagator {
       : lattice_(lattice), integrators_(lattice, planes, pins, samples) {}
   /// From the run's time to H later. On failure the run is spoilt and the caller restores it.
   StepStatus advance(const StepContext& context, double H);
+  /// Has every internal step looked at.
+  void follow(const FollowedPoints& points) { integrators_.follow(&points); }
   Budget& budget() { return integrators_.budget(); }
   /// Number of matrices factored since the start: none unless implicit steps are tried.
   Count factorizations() const { return integrators_.factorizations(); }

@@ -26,6 +26,7 @@ struct Readings {
   Vec3 plane_torque(int q) const { return now.path.exchange.planes[q].torque / now.exchange_time; }
   const Vec3& plane_centre(int q) const { return now.centres[q]; }
   Count plane_contacts(int q) const { return now.contacts[q]; }
+  const PointReading& followed(int n) const { return now.path.exchange.points[n]; }
   const SensorReading& sensor(int n) const { return now.sensors[n]; }
   /// Force on a taxel, by its number among those of all sensors [N].
   Vec3 taxel(int n) const {

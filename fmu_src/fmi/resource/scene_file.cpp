@@ -187,12 +187,18 @@ void read_load(Record& r, SceneFile& s) {
   if (load.points.empty()) r.fail("a load without points");
   s.loads.push_back(load);
 }
-/// What the probe of the record before shows of a solid.
+/// What the probe of the record before shows beside its place.
 void read_probe_outputs(Record& r, SceneFile& s) {
-  if (s.probes.empty() || !s.poissons_ratio) r.fail("there is no probe of a solid before it");
+  if (s.probes.empty()) r.fail("there is no probe before it");
   SceneFile::Probe& probe = s.probes.back();
-  const std::map<std::string_view, bool*> outputs{{"stress", &probe.stress}, {"von_mises", &probe.von_mises}, {"stretch", &probe.stretch}};
+  const std::map<std::string_view, bool*> outputs{{"stress", &probe.stress},   {"von_mises", &probe.von_mises},
+                                                  {"stretch", &probe.stretch}, {"velocity", &probe.velocity},
+                                                  {"maximum", &probe.maximum}, {"acceleration", &probe.acceleration}};
   while (r.more()) *r.choice(outputs) = true;
+  if ((probe.stress || probe.von_mises || probe.stretch) && !s.poissons_ratio) r.fail("there is no solid before it");
+  if (!probe.maximum && !probe.acceleration) return;
+  probe.followed = int(s.definition.sensed.followed.size());
+  s.definition.sensed.followed.push_back({probe.at, probe.maximum, probe.von_mises && probe.maximum});
 }
 /// Of the surface at each control point, or at each sample.
 void read_areas(Record& r, SceneFile& s) {

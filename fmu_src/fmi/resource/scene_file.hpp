@@ -44,6 +44,8 @@ struct SceneFile {
     std::string name;
     Vec3 at;
     bool stress = false, von_mises = false, stretch = false;  ///< of a solid: outputs
+    bool velocity = false, acceleration = false, maximum = false;
+    int followed = -1;  ///< among the definition's; -1: it is none of them
   };
 
   struct Taxel {

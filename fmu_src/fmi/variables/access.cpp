@@ -103,7 +103,7 @@ void Variables::set(Phase phase, Type type, const fmi2ValueReference* references
 void Variables::get(Type type, const fmi2ValueReference* references, std::size_t count, double* numbers, SoftBody& body,
                     const ErrorEstimate* estimate) {
   const Meant& list = meant(last_got_[std::size_t(type)], type, references, count);
-  const Observed observed{probes_, places_, body, estimate};
+  const Observed observed{probes_, places_, followed_, body, estimate};
   for (std::size_t n = 0; n < count;) {
     const auto [row, index, place] = list.variables[n];
     if (bindings[row].field) {

@@ -62,6 +62,15 @@ std::vector<int> probes_with(const SceneFile& s) {
 }
 
 std::string sensor(const SceneFile& s, int member) { return s.sensors[member]; }
+/// Those of which the largest of something is shown.
+template <auto asked>
+std::vector<int> largest_of(const SceneFile& s) {
+  std::vector<int> members;
+  for (std::size_t n = 0; n < s.probes.size(); ++n)
+    if (s.probes[n].maximum && s.probes[n].*asked) members.push_back(int(n));
+  return members;
+}
+
 std::string obstacle(const SceneFile& s, int member) { return s.planes[member].path(); }
 
 constexpr auto planes = &SceneFile::planes;
@@ -93,6 +102,11 @@ constexpr PartBinding part_bindings[] = {
     {Part::probe_stress, probes_with<&SceneFile::Probe::stress>, name_in<&SceneFile::probes>},
     {Part::probe_von_mises, probes_with<&SceneFile::Probe::von_mises>, name_in<&SceneFile::probes>},
     {Part::probe_stretch, probes_with<&SceneFile::Probe::stretch>, name_in<&SceneFile::probes>},
+    {Part::probe_velocity, probes_with<&SceneFile::Probe::velocity>, name_in<&SceneFile::probes>},
+    {Part::probe_acceleration, probes_with<&SceneFile::Probe::acceleration>, name_in<&SceneFile::probes>},
+    {Part::probe_largest_velocity, largest_of<&SceneFile::Probe::velocity>, name_in<&SceneFile::probes>},
+    {Part::probe_largest_acceleration, largest_of<&SceneFile::Probe::acceleration>, name_in<&SceneFile::probes>},
+    {Part::probe_largest_von_mises, largest_of<&SceneFile::Probe::von_mises>, name_in<&SceneFile::probes>},
     {Part::sensors, all<&SceneFile::sensors>, sensor},
     {Part::taxels, all<&SceneFile::taxels>, [](const SceneFile& s, int member) { return s.sensors[s.taxels[member].sensor]; }, false,
      [](const SceneFile& s, int member) { return s.taxels[member].at; }},
@@ -129,6 +143,7 @@ constexpr Binding output(Family family, Binding::Output output, Binding::Output 
   return {.family = family, .is_output = true, .output = output, .rate_output = rate};
 }
 MaterialState material_at(const Observed& o, int probe) { return o.body.solid()->at(o.places[probe], o.body.state().x); }
+const PointReading& followed(const Observed& o, int probe) { return o.body.readings().followed(o.followed[probe]); }
 template <int row, int column>
 constexpr Binding stress(Family family) {
   return output(family, [](const Observed& o, int n, int) { return material_at(o, n).stress(row, column); });
@@ -189,6 +204,11 @@ constexpr std::array<Binding, family_count> bindings{
     stress<1, 2>(Family::probe_stress_yz),
     output(Family::probe_von_mises, [](const Observed& o, int n, int) { return material_at(o, n).von_mises(); }),
     output(Family::probe_stretch, [](const Observed& o, int n, int) { return material_at(o, n).largest_stretch(); }),
+    output(Family::probe_velocity, [](const Observed& o, int n, int axis) { return o.probes[n](o.body.state().v.col(axis)); }),
+    output(Family::probe_acceleration, [](const Observed& o, int n, int axis) { return followed(o, n).acceleration[axis]; }),
+    output(Family::probe_largest_velocity, [](const Observed& o, int n, int) { return followed(o, n).speed; }),
+    output(Family::probe_largest_acceleration, [](const Observed& o, int n, int) { return followed(o, n).largest_acceleration; }),
+    output(Family::probe_largest_von_mises, [](const Observed& o, int n, int) { return followed(o, n).von_mises; }),
     output(Family::sensor_force, [](const Observed& o, int n, int axis) { return o.body.readings().sensor(n).force[axis]; }),
     output(Family::sensor_torque, [](const Observed& o, int n, int axis) { return o.body.readings().sensor(n).torque[axis]; }),
     output(Family::sensor_area, [](const Observed& o, int n, int) { return o.body.readings().sensor(n).area; }),

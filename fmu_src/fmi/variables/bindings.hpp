@@ -35,6 +35,7 @@ const PartBinding& binding_of(Part part);
 struct Observed {
   const std::vector<Embedding>& probes;
   const std::vector<SolidPlace>& places;  ///< the same in a solid
+  const std::vector<int>& followed;       ///< their numbers among those that the body follows
   SoftBody& body;
   const ErrorEstimate* estimate;  ///< null where the scene has none
 };

@@ -14,7 +14,7 @@ void Variables::get_output_derivatives(const fmi2ValueReference* references, std
       throw CallError(name(references[n]) + ": is no output, it has no output derivative");
     if (orders[n] != 1) throw CallError(name(references[n]) + ": wanted a derivative of order 1, got " + std::to_string(orders[n]));
   }
-  const Observed observed{probes_, places_, body, estimate};
+  const Observed observed{probes_, places_, followed_, body, estimate};
   for (std::size_t n = 0; n < count; ++n) {
     const Variable variable = *find(references[n]);
     if (const Binding::Output rate = bindings[variable.row].rate_output)
@@ -42,7 +42,7 @@ void Variables::forget_seen() {
 }
 
 void Variables::begin_step(SoftBody& body, const ErrorEstimate* estimate) {
-  const Observed observed{probes_, places_, body, estimate};
+  const Observed observed{probes_, places_, followed_, body, estimate};
   for (const std::size_t row : differenced_)
     for (std::size_t index = 0; index < begun_[row].size(); ++index) begun_[row][index] = read(variable(row, int(index)), observed);
 }

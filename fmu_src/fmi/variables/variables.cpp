@@ -85,6 +85,7 @@ Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene)
   for (std::size_t row = 0; row < family_count; ++row) most += count(row);
   for (Meant* last : {&last_set_[0], &last_set_[1], &last_got_[0], &last_got_[1]}) last->reserve(most);
   for (const auto& probe : scene.probes) probes_.push_back(embed(scene.definition.sensed.basis, scene.definition.lattice, probe.at));
+  for (const auto& probe : scene.probes) followed_.push_back(probe.followed);
   if (scene.definition.solid())
     for (const auto& probe : scene.probes) places_.emplace_back(scene.definition.lattice, probe.at);
   reset();

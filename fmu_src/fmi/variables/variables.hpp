@@ -129,6 +129,7 @@ class Variables {
   std::array<std::vector<int>, family_count> chosen_;   ///< by row, of poses: the places that are there
   std::vector<Embedding> probes_;
   std::vector<SolidPlace> places_;            ///< of the probes, in a solid
+  std::vector<int> followed_;                 ///< of the probes
   bool rates_spread_ = true;                  ///< the settings may have rates of forces that are not 0
   std::vector<Vec3> pin_origins_;             ///< at rest [m]
   std::vector<std::size_t> differenced_;      ///< the rows of `begun_` and `seen_` that have any

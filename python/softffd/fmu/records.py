@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
-from softffd.fmu.variables import PROBED, internal_damping_present, method_value, spring_damping_present
+from softffd.fmu.variables import internal_damping_present, method_value, spring_damping_present
 from softffd.lattice import LatticeBox, Point, point_at, to_flat
+from softffd.names import PROBED
 from softffd.obstacles import Obstacles, SolidShape
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None, 
         add("load", load.name, *scene.select(load.points))
     for probe in scene.probe:
         add("probe", probe.name, *probe.at)
-        shown = [word for word in PROBED if getattr(probe, word)]
+        shown = [word for word in (*PROBED, "maximum") if getattr(probe, word)]
         add("probe_outputs", *shown, when=bool(shown))
     for place in samples.places if samples is not None else ():
         add("sample", *place)

@@ -24,7 +24,7 @@ import numpy as np
 
 from softffd.installed import table
 from softffd.lattice import all_points
-from softffd.names import Cell, Instance, flat_form, variable_name
+from softffd.names import LARGEST, PROBED, Cell, Instance, flat_form, variable_name
 
 if TYPE_CHECKING:
     from softffd.scene.rigid import Box, Cylinder, Pin, Plane, Sphere
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 STANDARD_GRAVITY = 9.80665  # m/s2
 TOUCHING = {"lattice": "control points", "surface": "points of the surface"}  # what is counted on an obstacle
 READABLE = 20_000  # more variables than this make the descriptions slow to read in many tools
-PROBED = ("stress", "von_mises", "stretch")
-"""What a probe may ask of a solid"""
 OF_POINTS = ("forces", "positions", "velocities")  # parts whose instances are control points
 
 _LIST = re.compile(r"[^:]*: (\d+ \w+(?:, \d+ \w+)*)")
@@ -177,6 +175,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     solver |= {"tolerance": scene.solver.tolerance, "step": scene.solver.step}
     solver["mass"] = float(np.cumsum(mass)[-1])  # one after the other, as the library adds them
     touching = TOUCHING[scene.contact.of]
+    shown = {word: [{"name": probe.name, "maximum": probe.maximum} for probe in scene.probe if getattr(probe, word)] for word in PROBED}
     return {
         "forces": points(scene.inputs.forces),
         "loads": [{"name": load.name} for load in scene.load],
@@ -195,7 +194,8 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "positions": points(scene.outputs.positions),
         "velocities": points(scene.outputs.velocities),
         "probes": [{"name": probe.name} for probe in scene.probe],
-        **{f"probe_{word}": [{"name": probe.name} for probe in scene.probe if getattr(probe, word)] for word in PROBED},
+        **{f"probe_{word}": shown[word] for word in PROBED},
+        **{f"probe_largest_{word}": [each for each in shown[word] if each["maximum"]] for word in LARGEST},
         "sensors": [{"name": sensor.name} for sensor in scene.sensor],
         "taxels": [
             {"name": sensor.name, "cell": Cell(sensor.name, i, j), "i": i, "j": j, "sides": sensor.taxels}

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from softffd.lattice import point_at
-from softffd.names import Part, flat_form, mistaken, structured
+from softffd.names import LARGEST, Part, flat_form, mistaken, structured
 from softffd.scene.cells import MOST, cells_of
 from softffd.scene.checks_material import material_check
 from softffd.scene.checks_sensor import sensor_check
@@ -173,6 +173,9 @@ def _probes(draft: Draft) -> Iterator[Fault]:
     for position, probe in enumerate(draft.keys.probe):
         if _outside(draft, np.array([probe.at, probe.at])):
             yield Fault(("probe", position, "at"), f"wanted a position in the box {_box_span(draft)}, got {toml_text(probe.at)}")
+
+        if probe.maximum and not any(getattr(probe, word) for word in LARGEST):
+            yield Fault(("probe", position, "maximum"), f"wanted one of {', '.join(LARGEST)} = true beside it, got none")
 
 
 def _outside(draft: Draft, bounds: np.ndarray) -> list[str]:

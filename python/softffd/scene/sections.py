@@ -277,6 +277,13 @@ class Probe(Section):
     stress: Switch = key(False, "of a solid: outputs of the Cauchy stress there, xx, yy, zz, xy, xz and yz [Pa]")
     von_mises: Switch = key(False, "of a solid: an output of von Mises' equivalent stress there [Pa]")
     stretch: Switch = key(False, "of a solid: an output of the largest principal stretch there")
+    velocity: Switch = key(False, "outputs of its velocity [m/s]")
+    acceleration: Switch = key(False, "outputs of its acceleration, mean of the communication step [m/s2]")
+    maximum: Switch = key(
+        False,
+        "outputs of the largest magnitude within the communication step of what is on of `velocity`, `acceleration` and `von_mises`, seen "
+        "at every internal step",
+    )
 
 
 class Outputs(Section):
