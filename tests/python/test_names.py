@@ -9,6 +9,7 @@ from softffd.lattice import all_points
 from softffd.names import (
     OBSTACLES,
     ByName,
+    Cell,
     Name,
     Part,
     flat_form,
@@ -23,12 +24,14 @@ from softffd.names import (
     vector_names,
 )
 
-AT_POINT, NAMED = ("force", "position", "velocity"), ("load", "pin", "probe")
+AT_POINT, NAMED = ("force", "position", "velocity"), ("load", "pin", "probe", "sensor")
 
 
 def instance_of(row):
     kind = row["name"].partition(".")[0].partition("[")[0]
     kind = "sphere" if kind == "{obstacle}" else kind
+    if "[{i},{j}]" in row["name"]:
+        return Cell("point", 3, 0)
     return (3, 0, 12) if kind in AT_POINT else Part(kind, "point") if kind in ("sphere", *NAMED) else None
 
 

@@ -16,7 +16,8 @@ struct Patch {
     double share;
   };
   std::vector<int> places;
-  std::vector<Share> shares;  ///< those of a place sum to 1; none without taxels
+  std::vector<double> weights;  ///< of the places in its centre: areas of the patch around them, at rest [m2]
+  std::vector<Share> shares;    ///< those of a place sum to 1; none without taxels
   std::array<int, 2> taxels{0, 0};
   int taxel_count() const { return taxels[0] * taxels[1]; }
 };

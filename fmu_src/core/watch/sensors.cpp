@@ -90,10 +90,9 @@ void Sensors::show(const Patch& patch, const Run& run, SensorReading& reading) c
   reading = {};
   Vec3 centre = Vec3::Zero();
   double whole = 0, pressing = 0;
-  for (const int at : patch.places) {
-    const double weight = sensed_.areas[at].norm();
-    centre += weight * place(at, run.path.motion.x);
-    whole += weight;
+  for (std::size_t n = 0; n < patch.places.size(); ++n) {
+    centre += patch.weights[n] * place(patch.places[n], run.path.motion.x);
+    whole += patch.weights[n];
   }
   centre /= whole;
   for (const int at : patch.places) {

@@ -206,8 +206,12 @@ void read_areas(Record& r, SceneFile& s) {
 }
 void read_sensor(Record& r, SceneFile& s) {
   s.sensors.emplace_back(r.word());
-  s.definition.sensed.patches.push_back({.places = r.points(int(s.definition.sensed.areas.size()))});
-  if (s.definition.sensed.patches.back().places.empty()) r.fail("a sensor without places");
+  Patch& patch = s.definition.sensed.patches.emplace_back();
+  while (r.more()) {
+    patch.places.push_back(r.integer(0, int(s.definition.sensed.areas.size()) - 1));
+    patch.weights.push_back(r.positive());
+  }
+  if (patch.places.empty()) r.fail("a sensor without places");
 }
 /// Of the sensor of the record before: how many there are, and the parts of places.
 void read_taxels(Record& r, SceneFile& s) {

@@ -19,13 +19,13 @@ from softffd.lattice import LatticeBox, to_flat
 from softffd.mesh.normals import area_vectors
 
 if TYPE_CHECKING:
-    from softffd.embedding.samples import Samples
     from softffd.mesh.mesh import Mesh
-    from softffd.scene.scene import Scene
-    from softffd.scene.sensor import Sensor
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Corner = tuple[float, float, float]
+Where = str | tuple[Corner, Corner]
+"""A side of the box, the name of a group of the mesh, or the lower and the upper corner of a box [m]"""
 
 FACES = {f"{'xyz'[axis]}{side}": (axis, sign) for axis in range(3) for side, sign in (("-", -1), ("+", 1))}
 TURNED = 1e-9
@@ -36,10 +36,12 @@ BLOCK = 1 << 24
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """places (m,): indices. shares: (place, taxel, part of the force on that place that counts for it); row by row, none without taxels."""
+    """places (m,): indices. weights (m,): the areas of the patch around them [m2]. shares: (place, taxel, part of the force on that place
+    that counts for it), taxels row by row; none without taxels."""
 
     name: str
     places: NDArray[np.int64]
+    weights: Array
     taxels: tuple[int, int] | None
     shares: list[tuple[int, int, float]]
 
@@ -50,27 +52,6 @@ class Patches:
 
     areas: Array
     patches: list[Patch]
-
-
-def scene_patches(scene: Scene, samples: Samples | None) -> Patches | None:
-    """Those of the scene's sensors; None without any. samples: by which the scene's obstacles are met; None: by the control points."""
-    if not scene.sensor:
-        return None
-    if samples is None:
-        places, areas = lattice_places(scene.lattice_box, solid=scene.is_solid), lattice_areas(scene.lattice_box, solid=scene.is_solid)
-        chosen = [points_on(each, areas, places) for each in scene.sensor]
-    else:
-        mesh = scene.loaded_mesh
-        assert mesh is not None
-        places, of_vertex = samples.places, nearest(mesh.vertices, samples.places)
-        areas = np.zeros(places.shape)
-        np.add.at(areas, of_vertex[mesh.faces.ravel()], np.repeat(area_vectors(mesh.vertices[mesh.faces]) / 6, 3, axis=0))
-        chosen = []
-        for each in scene.sensor:
-            mask = np.zeros(len(places), dtype=bool)
-            mask[of_vertex[vertices_on(each, mesh)]] = True
-            chosen.append(mask)
-    return Patches(areas, [_patch(each, mask.nonzero()[0], places, areas) for each, mask in zip(scene.sensor, chosen, strict=True)])
 
 
 def lattice_places(box: LatticeBox, *, solid: bool) -> Array:
@@ -98,22 +79,31 @@ def _axis_shares(n: int, basis: str) -> Array:
     return np.tile(of / (2 * pieces), pieces) @ weights(((np.arange(pieces)[:, None] + (at + 1) / 2) / pieces).ravel(), n, basis)
 
 
-def points_on(sensor: Sensor, areas: Array, places: Array) -> Mask:
-    """Which control points or nodes (n,) a sensor is on."""
-    if isinstance(sensor.on, str):
-        axis, sign = FACES[sensor.on]
-        return sign * areas[:, axis] > 0
-    return _inside(sensor.on.box, places) & areas.any(axis=1)
+def points_on(where: Where, areas: Array, places: Array) -> Array:
+    """The area (n,) m2 of a patch around each control point or node, 0 of those that it has not."""
+    if isinstance(where, str):
+        axis, sign = FACES[where]
+        return np.asarray(np.maximum(sign * areas[:, axis], 0.0))
+    return np.where(_inside(where, places), np.linalg.norm(areas, axis=1), 0.0)
 
 
-def vertices_on(sensor: Sensor, mesh: Mesh) -> Mask:
-    """Which vertices (V,) of the mesh a sensor is on; of a group by the faces of that name."""
-    used = np.zeros(len(mesh.vertices), dtype=bool)
-    if isinstance(sensor.on, str):
-        used[mesh.faces[_facing(sensor.on, mesh) if sensor.on in FACES else _of_group(sensor.on, mesh)]] = True
-        return used
-    used[mesh.faces] = True
-    return used & _inside(sensor.on.box, mesh.vertices)
+def vertices_on(where: Where, mesh: Mesh) -> Array:
+    """The area (V,) m2 of a patch around each vertex of the mesh, a third of each triangle, 0 of those that it has not. A side of the box
+    has the triangles that face it, a group its own, a box those at the vertices in it."""
+    if isinstance(where, str):
+        mine = _facing(where, mesh) if where in FACES else _of_group(where, mesh)
+    else:
+        mine = np.ones(len(mesh.faces), dtype=bool)
+    sizes = np.repeat(np.linalg.norm(area_vectors(mesh.vertices[mesh.faces[mine]]), axis=1) / 6, 3)
+    around = np.bincount(mesh.faces[mine].ravel(), weights=sizes, minlength=len(mesh.vertices))
+    return around if isinstance(where, str) else np.where(_inside(where, mesh.vertices), around, 0.0)
+
+
+def areas_around(mesh: Mesh, of_vertex: NDArray[np.int64], count: int) -> Array:
+    """The areas (count, 3) m2 of the mesh, outward, by the place that each vertex (V,) belongs to."""
+    areas = np.zeros((count, 3))
+    np.add.at(areas, of_vertex[mesh.faces.ravel()], np.repeat(area_vectors(mesh.vertices[mesh.faces]) / 6, 3, axis=0))
+    return areas
 
 
 def _facing(side: str, mesh: Mesh) -> Mask:
@@ -134,7 +124,7 @@ def _of_group(name: str, mesh: Mesh) -> Mask:
     return np.isin(mesh.looks.group_of, wanted)
 
 
-def _inside(corners: tuple[tuple[float, float, float], tuple[float, float, float]], places: Array) -> Mask:
+def _inside(corners: tuple[Corner, Corner], places: Array) -> Mask:
     lower, upper = np.array(corners)
     return np.asarray(((places >= lower) & (places <= upper)).all(axis=1))
 
@@ -142,7 +132,6 @@ def _inside(corners: tuple[tuple[float, float, float], tuple[float, float, float
 def nearest(places: Array, among: Array) -> NDArray[np.int64]:
     """The index (n,) of what is nearest to each place (n, 3) among others (m, 3); the first of those that are equally near."""
     found = np.empty(len(places), dtype=np.int64)
-    own = (among**2).sum(axis=1)
     rows = max(1, BLOCK // len(among))
     middle = among.mean(axis=0)
     places, among = places - middle, among - middle
@@ -153,11 +142,7 @@ def nearest(places: Array, among: Array) -> NDArray[np.int64]:
     return found
 
 
-def _patch(sensor: Sensor, places: NDArray[np.int64], at: Array, areas: Array) -> Patch:
-    return Patch(sensor.name, places, sensor.taxels, _shares(places, at, areas, sensor.taxels) if sensor.taxels else [])
-
-
-def _shares(places: NDArray[np.int64], at: Array, areas: Array, taxels: tuple[int, int]) -> list[tuple[int, int, float]]:
+def taxel_shares(places: NDArray[np.int64], at: Array, areas: Array, taxels: tuple[int, int]) -> list[tuple[int, int, float]]:
     """A place stands for a square of its area about it: each taxel gets what lies on it, along the two axes that the patch lies along."""
     across = int(abs(areas[places].sum(axis=0)).argmax())
     along = [axis for axis in range(3) if axis != across]

@@ -14,6 +14,8 @@ SCENE_NEEDS = {
     "positions": "[outputs] positions with this control point",
     "velocities": "[outputs] velocities with this control point",
     "input_pins": 'motion = "input" of the pin',
+    "probe_velocity": "velocity = true of the probe",
+    "probe_acceleration": "acceleration = true of the probe",
     "taxels": "taxels of the sensor",
     "plane_reactions": "[outputs] reactions = true",
     "pin_reactions": "[outputs] reactions = true",

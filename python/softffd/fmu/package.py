@@ -14,7 +14,6 @@ import numpy as np
 
 from softffd.embedding.mass import Masses, point_masses
 from softffd.embedding.mass_solid import node_masses
-from softffd.embedding.patches import scene_patches
 from softffd.embedding.samples import Samples, surface_samples
 from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
@@ -23,6 +22,7 @@ from softffd.fmu.model_description import completed, model_description, model_de
 from softffd.fmu.notes import NAME as NOTES
 from softffd.fmu.notes import body_notes
 from softffd.fmu.records import NAME, scene_records, scene_text
+from softffd.fmu.sensed import scene_patches
 from softffd.fmu.variables import Variable, variables
 from softffd.installed import data_folder, libraries
 from softffd.lattice import cells_within, shared_by_corners, to_flat

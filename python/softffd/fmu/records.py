@@ -86,7 +86,7 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None, 
     if sensed is not None:
         add("areas", *sensed.areas.ravel())
         for patch in sensed.patches:
-            add("sensor", patch.name, *patch.places)
+            add("sensor", patch.name, *(word for place in zip(patch.places, patch.weights, strict=True) for word in place))
             if patch.taxels:
                 add("sensor_taxels", *patch.taxels, *(word for share in patch.shares for word in share))
     outputs = scene.outputs

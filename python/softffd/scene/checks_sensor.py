@@ -30,7 +30,7 @@ def _of_surface(draft: Draft, sensor: Sensor) -> str | None:
         near = did_you_mean(nearest_of(sensor.on, [*names, *FACES]))
         there = f"; the mesh has {', '.join(names)}" if names and not near else "" if names else "; the mesh has no groups"
         return f'wanted a face such as "z-", a group of the mesh or {{ box = }}, got {toml_text(sensor.on)}{near or there}'
-    if not vertices_on(sensor, draft.mesh).any():
+    if not vertices_on(sensor.where, draft.mesh).any():
         return "wanted a part of the surface, got one on which the mesh has no vertex"
     return None
 
@@ -45,6 +45,6 @@ def _of_lattice(draft: Draft, sensor: Sensor) -> str | None:
         return None
     solid = draft.keys.material.model == "solid"
     box = LatticeBox(draft.counts, *draft.box, draft.keys.lattice.basis)
-    if points_on(sensor, lattice_areas(box, solid=solid), lattice_places(box, solid=solid)).any():
+    if points_on(sensor.where, lattice_areas(box, solid=solid), lattice_places(box, solid=solid)).any():
         return None
     return f"wanted a box with a {'node' if solid else 'control point'} of the surface in it, got {toml_text(sensor.on.box)}"

@@ -1,13 +1,11 @@
 """The section of sensors: patches of the object's surface whose contact forces are outputs."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import AfterValidator, Discriminator, Field, Strict, Tag
 
 from softffd.scene.section import NAME, Name, Section, Text, Vector, key, list_of, list_schema, refusal
 
-Face = Literal["x-", "x+", "y-", "y+", "z-", "z+"]
-FACE_WORDS = ("x-", "x+", "y-", "y+", "z-", "z+")
 MOST = 64
 """Taxels along a side"""
 
@@ -54,6 +52,12 @@ class Sensor(Section):
         "name of a group or object of the mesh; { box = [[x, y, z], [x, y, z]] } is what lies in a box of the rest shape [m]",
         examples=["z-"],
     )
+
     taxels: Sides | None = key(
         None, "a grid of n x m cells over the patch, 1..64 each, along the axes that it lies along, in their order; absent: none"
     )
+
+    @property
+    def where(self) -> str | tuple[Any, Any]:
+        """What `on` says, of a box its corners."""
+        return self.on if isinstance(self.on, str) else self.on.box

@@ -10,13 +10,19 @@ from softffd.fmu.absent import SCENE_NEEDS
 from softffd.fmu.component import Component
 
 PIN = {"name": "base", "points": "z-"}
-BARE = {"damping": 0.0, "outputs": {"positions": "none"}, "plane": [{"name": "ground"}], "pin": [PIN]}
+PROBE, SENSOR = {"name": "tip", "at": [0.5, 0.5, 1.0]}, {"name": "foot", "on": "z-"}
+BARE = {
+    "damping": 0.0, "outputs": {"positions": "none"}, "plane": [{"name": "ground"}], "pin": [PIN], "probe": [PROBE], "sensor": [SENSOR],
+}  # fmt: skip
 """A scene with as few variables as may be"""
 CASES = {
     "force[1,0,0].x": ("[inputs] forces with this control point", {"forces": "all"}),
     "position[1,0,0].x": ("[outputs] positions with this control point", {"outputs": {"positions": "all"}}),
     "velocity[1,0,0]": ("[outputs] velocities with this control point", {"velocities": "all"}),
     "pin.base.position.z": ('motion = "input" of the pin', {"pin": [PIN | {"motion": "input"}]}),
+    "probe.tip.velocity.x": ("velocity = true of the probe", {"probe": [PROBE | {"velocity": True}]}),
+    "probe.tip.acceleration": ("acceleration = true of the probe", {"probe": [PROBE | {"acceleration": True}]}),
+    "sensor.foot.taxel[0,0].z": ("taxels of the sensor", {"sensor": [SENSOR | {"taxels": [2, 2]}]}),
     "plane.ground.reaction": ("[outputs] reactions = true", {"reactions": True}),
     "pin.base.torque.x": ('a [[pin]] with name = "base" and [outputs] reactions = true', {"reactions": True}),
     "youngs_modulus": ("[material] youngs_modulus in place of stiffness", {"material": {"youngs_modulus": 1e5}}),
