@@ -59,6 +59,7 @@ class MuJoCo:
     """
 
     KEPT = mujoco.mjtState.mjSTATE_INTEGRATION
+    BAD = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData):
         self.model, self.data, self.step = model, data, float(model.opt.timestep)
@@ -77,13 +78,15 @@ class MuJoCo:
 
     def advance(self, pushes: Sequence[Push]) -> None:
         data, own, before = self.data, self.data.xfrc_applied.copy(), self.data.time
+        for bad in self.BAD:
+            data.warning[bad].number = 0
         mujoco.mj_kinematics(self.model, data)
         for body, point, wrench in pushes:
             arm = data.xpos[body] + data.xmat[body].reshape(3, 3) @ point - data.xipos[body]  # MuJoCo's force acts at the centre of mass
             data.xfrc_applied[body] += wrench + np.append(np.zeros(3), np.cross(arm, wrench[:3]))
         mujoco.mj_step(self.model, data)
         data.xfrc_applied[:] = own
-        if data.time <= before:
+        if any(data.warning[bad].number for bad in self.BAD):
             raise FmuError(f"MuJoCo found its state unstable at {before:g} s and began anew: take a shorter timestep")
 
     def save(self) -> np.ndarray:
