@@ -84,6 +84,8 @@ class Bridge:
         self.engine, self.parts, self._step, self.tolerance, self.most = engine, parts, step, tolerance, trials
         self._all = [part for each in parts.values() for part in each]
         self._poses, self._wrenches, self._time = self._reached(), np.zeros((len(self._all), 6)), engine.time
+        self.length = step * self._shorter
+        """Of a step [s]"""
         self.trials, self.residual = 0, 0.0
         """Of the last step: how often it was tried, and the difference of wrenches that was left, relative to the largest"""
 
@@ -139,7 +141,7 @@ class Bridge:
                 pose = start.copy()
                 pose[:3, 3] += way[:3] * (k / self._shorter)
                 pose[:3, :3] = turned(start[:3, :3].T, way[3:] * (k / self._shorter)).T
-                part.put(pose, way / (self._step * self._shorter))
+                part.put(pose, way / self.length)
             for simulation in self.parts:
                 simulation.step(self._step)
             found += [part.wrench.get() for part in self._all]
