@@ -1,7 +1,7 @@
 """Every tutorial from its first line to its last, in one empty folder, as a new user would: what it says comes out comes out.
 
-A block `text` after a command or a script is what that prints; `...` stands for what differs from machine to machine or is left out. A script
-`python picture` runs where OpenGL draws.
+A block `text` after a command or a script is what that prints; `...` stands for what differs from machine to machine or is left out. A
+script `python picture` runs where OpenGL draws.
 """
 
 import contextlib
@@ -20,7 +20,8 @@ ROOT = Path(__file__).resolve().parents[1]
 TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
 NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
 NEEDS = {"robot": "mujoco"}
-"""Tutorials that need a package of an extra; they take long"""
+"""Tutorials that need the package of an extra, and take long"""
+FOLLOWED = [pytest.param(file, id=file.stem, marks=[pytest.mark.full] * (file.stem in NEEDS)) for file in TUTORIALS]
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -72,7 +73,7 @@ def draws() -> bool:
     return True
 
 
-@pytest.mark.parametrize("document", [pytest.param(file, id=file.stem, marks=[pytest.mark.full] * (file.stem in NEEDS)) for file in TUTORIALS])
+@pytest.mark.parametrize("document", FOLLOWED)
 def test_a_tutorial_does_what_it_says(document, tmp_path, monkeypatch):
     if package := NEEDS.get(document.stem):
         pytest.importorskip(package, reason=f"{package} is not installed: pip install 'softffd[{package}]'")

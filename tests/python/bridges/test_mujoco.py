@@ -19,6 +19,7 @@ CUBE = {"points": [3, 3, 3], "stiffness": STIFF, "damping": 0.0, "mass": {"total
 SLIDER = '<body name="load" pos="0.5 0.5 1"><joint type="slide" axis="0 0 1"/><geom type="sphere" size="0.1" mass="3"/></body>'
 FREE = """<body name="load" pos="0.2 0.3 1.4"><freejoint/><geom type="sphere" size="0.1" mass="1"/></body>"""
 TURNED = {"motion": "input", "inputs": ["point", "rotation", "velocity", "angular_velocity"]}
+UNIT = {"origin": [0.0, 0.0, 0.0], "size": [1.0, 1.0, 1.0]}
 AXIAL = {"motion": "input", "inputs": ["point", "normal", "velocity", "angular_velocity"]}
 ROUND = {"motion": "input", "inputs": ["point", "velocity", "angular_velocity"]}
 
@@ -104,6 +105,44 @@ def test_a_turning_body_and_the_soft_body_on_its_arm_keep_their_momentum():
     coarse, fine = flight(4e-3), flight(2e-3)
     assert abs(fine[0]).max() < 1e-12 and abs(coarse[0]).max() < 1e-12
     assert abs(fine[1]).max() < 0.3 * abs(coarse[1]).max() < 1e-3
+
+
+def test_a_capsule_that_hits_a_soft_cube_off_centre_takes_the_momentum_that_the_cube_loses(tmp_path):
+    capsule = '<geom name="capsule" type="capsule" size="0.15 0.3" pos="-0.1 -0.05 0"/>'
+    inertial = '<inertial pos="0 0 0" mass="2" diaginertia="0.05 0.05 0.05"/>'
+    model, data = robot(
+        f'<body pos="0.6 0.45 1.25" euler="80 20 10"><freejoint/>{capsule}{inertial}</body>', timestep=2e-3, gravity="0 0 0"
+    )
+    data.qvel[:3] = [0.3, 0.1, -1.0]
+    solids = {
+        "sphere": [{"name": name, "radius": 0.15, "friction": 0.3, **ROUND} for name in ("up", "down")],
+        "cylinder": [{"name": "middle", "radius": 0.15, "length": 0.6, "friction": 0.3, **AXIAL}],
+    }
+    mass = {"total": 1.0, "distribution": "uniform"}
+    cube = meshed(tmp_path, shapes.cube(3, 0.0), lattice={**UNIT, "points": [3, 3, 3]}, mass=mass, velocities="all", damping=0.0, **solids)
+    with softffd.Simulation(cube) as soft:
+        bridge = couple(model, data, {soft: dict.fromkeys(("sphere.up", "sphere.down", "cylinder.middle"), "capsule")})
+        before = momenta(model, data, soft, 1.0)
+        for _ in range(100):
+            bridge.step()
+        after, spin = momenta(model, data, soft, 1.0), data.qvel[3:]
+    assert np.linalg.norm(spin) > 0.5  # it was hit off its centre
+    np.testing.assert_allclose(after[0], before[0], atol=1e-12)
+    np.testing.assert_allclose(after[1], before[1], atol=2e-4)
+
+
+@pytest.mark.parametrize("mass", [0.3, 0.001])
+def test_a_body_lighter_than_the_points_that_it_holds_is_stepped_too(mass):
+    model, data = robot(SLIDER.replace('mass="3"', f'mass="{mass}"'))
+    with softffd.Simulation(spring()) as cube:
+        bridge, trials, forces = couple(model, data, {cube: {"pin.top": "load"}}), [], []
+        for _ in range(100):
+            bridge.step()
+            trials.append(bridge.trials)
+            forces.append(cube["pin.top.reaction"][2])
+    assert max(trials) < bridge.most and np.mean(trials) < 3.1
+    impulse = model.opt.timestep * (np.sum(forces) - len(forces) * mass * 9.81)
+    assert mass * data.qvel[0] == pytest.approx(impulse, abs=1e-12)
 
 
 def test_a_wrench_about_a_point_of_a_turned_body_is_what_mujoco_applies_there():
