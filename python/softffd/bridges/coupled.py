@@ -15,7 +15,8 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from softffd.errors import FmuError
-from softffd.rotation import between_orientations, matrix_of, quaternions, turned, vector_of
+from softffd.fmu.block import one_number
+from softffd.rotation import matrix_of, quaternions, turned, vector_of
 from softffd.run.simulation import Simulation, State
 
 Push = tuple[int, np.ndarray, np.ndarray]
@@ -41,6 +42,7 @@ class Part:
     """A pin or an obstacle of a soft body that a body of the engine leads.
 
     path: "pin.NAME", "box.NAME". at: its frame (4, 4) in the body's; None: a pin holds on to the body as both lie now.
+    FmuError where the scene has no such part, or not all of its pose and velocities as inputs.
     """
 
     POSE: ClassVar = {"plane": ["point", "normal"], "sphere": ["point"], "cylinder": ["point", "normal"], "box": ["point", "rotation"],
@@ -62,8 +64,8 @@ class Part:
 
     def put(self, pose: np.ndarray, velocity: np.ndarray) -> None:
         """Sets the inputs: a pose, and velocities (6,) [m/s, rad/s]."""
-        turn, orientation = pose[:3, :3], quaternions(pose[None, :3, :3])[0]
-        told = {"normal": turn[:, 2], "rotation": between_orientations(np.eye(4)[0], orientation), "orientation": orientation}
+        turn = pose[:3, :3]
+        told = {"normal": turn[:, 2], "rotation": vector_of(turn), "orientation": quaternions(turn[None])[0]}
         self.inputs.set(np.concatenate([told.get(word, pose[:3, 3]) for word in self.words[:-2]] + [velocity]))
 
 
@@ -76,8 +78,10 @@ class Bridge:
     """
 
     def __init__(self, engine: Engine, parts: Mapping[Simulation, Sequence[Part]], step: float, tolerance: float, trials: int):
-        self._longer, self._shorter = (max(1, round(ratio)) if step > 0 else 0 for ratio in (step / engine.step, engine.step / (step or 1)))
-        if not (step > 0 and np.isclose(step * self._shorter, engine.step * self._longer, rtol=1e-9, atol=0)):
+        step, tolerance = one_number("step", step), one_number("tolerance", tolerance)
+        ratios = (step / engine.step, engine.step / step) if 0 < step < np.inf else (0.0, 0.0)
+        self._longer, self._shorter = (max(1, round(ratio)) for ratio in ratios)
+        if not (any(ratios) and np.isclose(step * self._shorter, engine.step * self._longer, rtol=1e-9, atol=0)):
             raise FmuError(f"step: wanted a multiple or a whole fraction of the engine's step, {engine.step:g} s, got {step:g}")
         if not (tolerance > 0 and trials >= 1):
             raise FmuError(f"wanted tolerance > 0 and trials >= 1, got {tolerance:g} and {trials}")

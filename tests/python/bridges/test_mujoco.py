@@ -201,6 +201,18 @@ def test_set_back_it_goes_on_with_the_same_bits(tmp_path):
         assert on() == first
 
 
+def test_an_fmu_goes_the_way_of_its_scene(tmp_path):
+    ends = []
+    for source in (spring(), softffd.package_fmu(spring(), tmp_path / "cube.fmu")):
+        model, data = robot(SLIDER)
+        with softffd.Simulation(source) as cube:
+            bridge = couple(model, data, {cube: {"pin.top": "load"}})
+            for _ in range(20):
+                bridge.step()
+        ends.append(data.qpos[0])
+    assert ends[0] == ends[1] < 0
+
+
 def test_a_refused_step_leaves_all_as_they_were():
     model, data = robot(SLIDER)
     with softffd.Simulation(spring(), stop_time=0.01) as cube:
@@ -285,9 +297,18 @@ def test_what_does_not_fit_is_named(tmp_path, names, said):
         couple(model, data, {soft: names})
 
 
-@pytest.mark.parametrize("given, said", [({"step": 1.5e-3}, "a multiple or a whole fraction of the engine's step, 0.001 s, got 0.0015"),
-                                         ({"step": 0}, "got 0"), ({"step": -1e-3}, "got -0.001"), ({"trials": 0}, "trials >= 1"),
-                                         ({"tolerance": 0}, "tolerance > 0")])  # fmt: skip
+@pytest.mark.parametrize(
+    "given, said",
+    [
+        ({"step": 1.5e-3}, "a multiple or a whole fraction of the engine's step, 0.001 s, got 0.0015"),
+        ({"step": 0}, "got 0"),
+        ({"step": -1e-3}, "got -0.001"),
+        ({"step": float("inf")}, "got inf"),
+        ({"step": "1 ms"}, "step: wanted one number"),
+        ({"trials": 0}, "trials >= 1"),
+        ({"tolerance": 0}, "tolerance > 0"),
+    ],
+)
 def test_settings_out_of_range_are_refused(given, said):
     model, data = robot(SLIDER)
     with softffd.Simulation(spring()) as cube, pytest.raises(FmuError, match=said):
