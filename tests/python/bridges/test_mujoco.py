@@ -75,6 +75,21 @@ def test_a_mass_on_a_soft_body_swings_at_the_frequency_of_its_stiffness_about_it
     assert np.ptp(energies) < 0.01 * MASS * 9.81 * sag
 
 
+def test_a_box_that_lies_on_a_soft_body_presses_with_its_weight_where_it_lies(tmp_path):
+    slab = '<geom name="slab" type="box" size="0.4 0.6 0.1" pos="0.1 0 0" mass="3"/>'
+    model, data = robot(f'<body pos="0.4 0.5 1.1"><joint type="slide" axis="0 0 1"/>{slab}</body>', timestep=5e-3)
+    solid = [{"name": "slab", "size": [0.8, 1.2, 0.2], **TURNED}]
+    lattice, base = {**UNIT, "points": [3, 3, 3]}, [{"name": "base", "points": "z-"}]
+    scene = meshed(tmp_path, shapes.cube(3, 0.0), lattice=lattice, box=solid, pin=base, stiffness=STIFF, damping=10.0, gravity=GRAVITY)
+    with softffd.Simulation(scene) as soft:
+        bridge = couple(model, data, {soft: {"box.slab": "slab"}})
+        for _ in range(200):
+            bridge.step()
+        np.testing.assert_allclose(soft["box.slab.reaction"], [0.0, 0.0, -GRAVITY[2] * 3], atol=0.02)
+        assert abs(data.qvel[0]) < 1e-4 and data.qpos[0] < -1e-4
+        np.testing.assert_allclose(soft["box.slab.centre"], [0.5, 0.5, 1.0 + data.qpos[0]], atol=1e-3)
+
+
 def momenta(model, data, cube, mass: float):
     """Linear and angular momentum about the world's origin of a robot of one body, and of a cube of uniform masses."""
     mujoco.mj_forward(model, data)
