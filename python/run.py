@@ -205,7 +205,8 @@ def main():
         if "--full" not in arguments:  # a test that hangs ends its process with a stack trace, and fails
             options += ["-o", f"faulthandler_timeout={HANGS}", "-o", "faulthandler_exit_on_timeout=true"]
         else:
-            add_extra("readers", "its tests are skipped")
+            for extra in ("readers", "mujoco"):
+                add_extra(extra, "its tests are skipped")
         env = compiler_environment()
         env.pop("PYTHONDONTWRITEBYTECODE", None)  # else each process that a test starts compiles the package anew
         return subprocess.call([PYTHON, "-m", "pytest", *options, *arguments[1:]], cwd=ROOT, env=env)

@@ -115,7 +115,7 @@ def run_apart(command: list, folder: Path) -> None:
 def test_the_documents_have_their_examples():
     assert SUITE in DOCUMENTS[0].read_text()
     assert len(commands()) >= 12 and len(scripts()) >= 6 and EXAMPLES
-    assert sum(RESTS in text for script in scripts() for text in script.values) == 3  # by an SSP, by a loop, by blocks in a loop
+    assert sum(RESTS in text for script in scripts() for text in script.values) == 4  # by an SSP, a loop, blocks in a loop, a bridge
 
 
 @pytest.mark.parametrize("line", commands())

@@ -44,6 +44,17 @@ API = """# Python
 
 `import softffd` has these names; each is loaded when it is first used.
 """
+BRIDGES = """
+## Bridges
+
+Soft bodies in the loops of physics engines; these names come from the modules that they are shown with.
+"""
+BRIDGED = (
+    "softffd.bridges.mujoco.couple",
+    "softffd.bridges.coupled.Bridge",
+    "softffd.bridges.coupled.Part",
+    "softffd.bridges.coupled.Engine",
+)
 
 
 def main() -> int:
@@ -55,7 +66,8 @@ def main() -> int:
     (PAGES / "gallery.md").write_text(GALLERY.format("\n\n".join(map(card, SHOWN))))
     for notebook in PAGES.glob("examples/*.ipynb"):
         run_notebook(notebook)
-    (PAGES / "api.md").write_text(API + "".join(map(reference, softffd.__all__)))
+    places = [f"{getattr(softffd, name).__module__}.{name}" for name in softffd.__all__]
+    (PAGES / "api.md").write_text("".join([API, *map(reference, places), BRIDGES, *map(reference, BRIDGED)]))
     build = [sys.executable, "-m", "mkdocs", "build", "-f", HERE / "mkdocs.yml"]
     done = subprocess.run(build, env=os.environ | {"NO_MKDOCS_2_WARNING": "1"}, stderr=subprocess.PIPE, text=True)
     print(done.stderr if done.returncode else PAGES.with_name("site") / "index.html", file=sys.stderr if done.returncode else sys.stdout)
@@ -93,9 +105,9 @@ def run_notebook(file: Path) -> None:
         (file.parent / name).write_bytes(content)
 
 
-def reference(name: str) -> str:
+def reference(place: str) -> str:
     """The entry of a public name."""
-    return f"\n::: {getattr(softffd, name).__module__}.{name}\n    options:\n      heading: {name}\n"
+    return f"\n::: {place}\n    options:\n      heading: {place if place in BRIDGED else place.rpartition('.')[2]}\n"
 
 
 if __name__ == "__main__":

@@ -51,3 +51,13 @@ def between_orientations(first: np.ndarray, last: np.ndarray) -> np.ndarray:
     w, v = w2 * w1 + v2 @ v1, w1 * v2 - w2 * v1 - np.cross(v2, v1)  # last times the conjugate of first
     sine = np.linalg.norm(v)
     return np.sign(w or 1) * v / sine * 2 * np.arctan2(sine, abs(w)) if sine > 0 else np.zeros(3)
+
+
+def matrix_of(orientation: np.ndarray) -> np.ndarray:
+    """The rotation matrix (3, 3) of a quaternion (w, x, y, z) of any length."""
+    return turned(np.eye(3), between_orientations(np.eye(4)[0], orientation)).T
+
+
+def vector_of(matrix: np.ndarray) -> np.ndarray:
+    """The shortest rotation vector (3,) [rad] of a rotation matrix (3, 3)."""
+    return between_orientations(np.eye(4)[0], quaternions(matrix[None])[0])

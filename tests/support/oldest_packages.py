@@ -54,6 +54,22 @@ def require_sweeps(folder: Path) -> None:
     here.to_xarray()
 
 
+def require_robot() -> None:
+    import mujoco
+
+    from softffd.bridges.mujoco import couple
+
+    slide = '<body name="hand"><joint type="slide" axis="0 0 1"/><geom size="0.1" mass="9"/></body>'
+    model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{slide}</worldbody></mujoco>")
+    data, led = mujoco.MjData(model), ["position", "orientation", "velocity", "angular_velocity"]
+    scene = softffd.load_scene("hanging").replace({"pin[0].motion": "input", "pin[0].inputs": led, "material.damping": 0})
+    with softffd.Simulation(scene) as body:
+        bridge = couple(model, data, {body: {f"pin.{scene.pin[0].name}": "hand"}})
+        for _ in range(100):
+            bridge.step()
+    assert abs(data.qvel[0] + 9.81 * data.time) < 0.01  # they fall together
+
+
 if __name__ == "__main__":
     place = Path(sys.argv[1])
     assert main(["demo", "-o", str(place / "demo")]) == 0
@@ -62,3 +78,4 @@ if __name__ == "__main__":
     require_exports(place)
     require_sweeps(place)
     assert main(["drivers", "-o", str(place / "drivers")]) == 0
+    require_robot()

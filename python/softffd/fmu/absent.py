@@ -50,7 +50,7 @@ def hint_for(name: str, there: Collection[str], choices: Collection[str] | None 
 
 def _scene_needs(name: str, there: Collection[str]) -> str:
     row = _row_of(name)
-    found = parse_name(name)
+    found = parse_name(name) or parse_name(f"{name}.x")
     if not row or not (needed := SCENE_NEEDS.get(row["part"])):
         return ""
     others = [other for each in there if (other := parse_name(each))]

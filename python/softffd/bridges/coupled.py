@@ -1,0 +1,160 @@
+"""Soft bodies in the loop of a physics engine: the motion of its bodies goes in, mean wrenches over the step come back.
+
+A step is repeated from saved states until motion and wrenches agree. The engine goes through it under wrenches that are held. The soft
+bodies go through it while their pins and obstacles move at constant velocity, from where the last step left them to the engine's poses. The
+next trial takes wrenches by Anderson's acceleration (Walker & Ni 2011). In the end the engine goes through the step under the wrenches that
+the soft bodies gave. Impulses are therefore equal and opposite whatever the tolerance; the next step takes in the difference of motion that
+the tolerance leaves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+
+from softffd.errors import FmuError
+from softffd.fmu.block import one_number
+from softffd.rotation import matrix_of, quaternions, turned, vector_of
+from softffd.run.simulation import Simulation, State
+
+Push = tuple[int, np.ndarray, np.ndarray]
+"""A body of the engine, a point (3,) in its frame [m], and the force and torque about it (6,) [N, N.m], world axes"""
+Moment = tuple[Any, list[State], np.ndarray, np.ndarray]
+"""The states of engine and soft bodies, the poses of all parts (m, 4, 4), and the wrenches on them (m, 6)"""
+
+
+class Engine(Protocol):
+    """What a bridge asks of a physics engine. Poses are matrices (4, 4) from a body's frame to the world [m]; bodies have numbers."""
+
+    step: float  # its own [s]
+
+    @property
+    def time(self) -> float: ...  # of this moment [s]
+    def pose(self, body: int) -> np.ndarray: ...  # such that it moves by the mean of the velocities before and after a step
+    def advance(self, pushes: Sequence[Push]) -> None: ...  # one step of its own while these act
+    def save(self) -> Any: ...  # this moment
+    def restore(self, state: Any) -> None: ...  # back to it, and on with the same bits
+
+
+class Part:
+    """A pin or an obstacle of a soft body that a body of the engine leads.
+
+    path: "pin.NAME", "box.NAME". at: its frame (4, 4) in the body's; None: a pin holds on to the body as both lie now.
+    FmuError where the scene has no such part, or not all of its pose and velocities as inputs.
+    """
+
+    POSE: ClassVar = {"plane": ["point", "normal"], "sphere": ["point"], "cylinder": ["point", "normal"], "box": ["point", "rotation"],
+                      "pin": ["position", "orientation"]}  # fmt: skip
+
+    def __init__(self, simulation: Simulation, path: str, engine: Engine, body: int, at: np.ndarray | None):
+        self.body, self.words = body, [*self.POSE[path.partition(".")[0]], "velocity", "angular_velocity"]
+        self.wrench = simulation.block([f"{path}.reaction", f"{path}.torque"])
+        self.inputs = simulation.block([f"{path}.{word}" for word in self.words])
+        if fixed := [name for name in self.inputs.names if simulation.variables[name].causality != "input"]:
+            wanted = str(self.words).replace("'", '"')
+            raise FmuError(f'{fixed[0]}: wanted an input: give {path} motion = "input" and inputs = {wanted} in the scene')
+        if at is None:
+            now = np.eye(4)
+            now[:3, 3], now[:3, :3] = simulation[f"{path}.position"], matrix_of(simulation[f"{path}.orientation"])
+            at = np.linalg.inv(engine.pose(body)) @ now
+        self.at = at
+        self.put(engine.pose(body) @ at, np.zeros(6))
+
+    def put(self, pose: np.ndarray, velocity: np.ndarray) -> None:
+        """Sets the inputs: a pose, and velocities (6,) [m/s, rad/s]."""
+        turn = pose[:3, :3]
+        told = {"normal": turn[:, 2], "rotation": vector_of(turn), "orientation": quaternions(turn[None])[0]}
+        self.inputs.set(np.concatenate([told.get(word, pose[:3, 3]) for word in self.words[:-2]] + [velocity]))
+
+
+class Bridge:
+    """Soft bodies and an engine as one: `step` takes all through a step, `save` and `restore` take all back.
+
+    parts: of each soft body. step: communication step [s] of the soft bodies, a multiple or a whole fraction of the engine's; the bridge's
+    is the longer of the two. tolerance: difference of the wrenches of a step, relative to the largest, at which it is kept, > 0.
+    trials: of a step at most, >= 1; the last one is kept.
+    """
+
+    def __init__(self, engine: Engine, parts: Mapping[Simulation, Sequence[Part]], step: float, tolerance: float, trials: int):
+        step, tolerance = one_number("step", step), one_number("tolerance", tolerance)
+        ratios = (step / engine.step, engine.step / step) if 0 < step < np.inf else (0.0, 0.0)
+        self._longer, self._shorter = (max(1, round(ratio)) for ratio in ratios)
+        if not (any(ratios) and np.isclose(step * self._shorter, engine.step * self._longer, rtol=1e-9, atol=0)):
+            raise FmuError(f"step: wanted a multiple or a whole fraction of the engine's step, {engine.step:g} s, got {step:g}")
+        if not (tolerance > 0 and trials >= 1):
+            raise FmuError(f"wanted tolerance > 0 and trials >= 1, got {tolerance:g} and {trials}")
+        self.engine, self.parts, self._step, self.tolerance, self.most = engine, parts, step, tolerance, trials
+        self._all = [part for each in parts.values() for part in each]
+        self._poses, self._wrenches, self._time = self._reached(), np.zeros((len(self._all), 6)), engine.time
+        self.length = step * self._shorter
+        """Of a step [s]"""
+        self.trials, self.residual = 0, 0.0
+        """Of the last step: how often it was tried, and the difference of wrenches that was left, relative to the largest"""
+
+    def step(self) -> None:
+        """One step. FmuError where a soft body or the engine refuses it, or the engine was set back alone; all are then as before."""
+        if self.engine.time != self._time:
+            raise FmuError(f"wanted the engine at {self._time:g} s as the soft bodies are, got {self.engine.time:g} s: go back by restore")
+        before, pushes, answers, misses = self.save(), self._wrenches, list[np.ndarray](), list[np.ndarray]()
+        try:
+            for trial in range(self.most):
+                if trial:
+                    pushes = _accelerated(answers, misses)
+                    self.restore(before)
+                self._advance(pushes)
+                poses = self._reached()
+                answers.append(self._answer(poses))
+                misses.append(answers[-1] - pushes)
+                self.trials, self.residual = trial + 1, abs(misses[-1]).max(initial=0) / (abs(answers[-1]).max(initial=0) or 1)
+                if self.residual <= self.tolerance:
+                    break
+            self.engine.restore(before[0])
+            self._advance(answers[-1])
+        except BaseException:
+            self.restore(before)
+            raise
+        self._poses, self._wrenches, self._time = poses, answers[-1], self.engine.time
+
+    def save(self) -> Moment:
+        """This moment, to go back to as often as wanted."""
+        return self.engine.save(), [simulation.save() for simulation in self.parts], self._poses, self._wrenches
+
+    def restore(self, moment: Moment) -> None:
+        """Back to a moment; it goes on with the same bits."""
+        state, states, self._poses, self._wrenches = moment
+        self.engine.restore(state)
+        for simulation, each in zip(self.parts, states, strict=True):
+            simulation.restore(each)
+        self._time = self.engine.time
+
+    def _reached(self) -> np.ndarray:
+        return np.array([self.engine.pose(part.body) @ part.at for part in self._all]).reshape(-1, 4, 4)
+
+    def _advance(self, wrenches: np.ndarray) -> None:
+        for _ in range(self._longer):
+            self.engine.advance([(part.body, part.at[:3, 3], wrench) for part, wrench in zip(self._all, wrenches, strict=True)])
+
+    def _answer(self, poses: np.ndarray) -> np.ndarray:
+        """The mean wrenches (m, 6) of the soft bodies on the way to poses."""
+        found = np.zeros((len(poses), 6))
+        for k in range(self._shorter):
+            for part, start, end in zip(self._all, self._poses, poses, strict=True):
+                way = np.append(end[:3, 3] - start[:3, 3], vector_of(end[:3, :3] @ start[:3, :3].T))
+                pose = start.copy()
+                pose[:3, 3] += way[:3] * (k / self._shorter)
+                pose[:3, :3] = turned(start[:3, :3].T, way[3:] * (k / self._shorter)).T
+                part.put(pose, way / self.length)
+            for simulation in self.parts:
+                simulation.step(self._step)
+            found += [part.wrench.get() for part in self._all]
+        return found / self._shorter
+
+
+def _accelerated(answers: Sequence[np.ndarray], misses: Sequence[np.ndarray]) -> np.ndarray:
+    """The wrenches to try next."""
+    if len(answers) == 1:
+        return answers[0]
+    changes, of_misses = (np.transpose([(each[-1] - other).ravel() for other in each[:-1]]) for each in (answers, misses))
+    return answers[-1] - (changes @ np.linalg.lstsq(of_misses, misses[-1].ravel(), rcond=None)[0]).reshape(answers[-1].shape)
