@@ -150,6 +150,12 @@ def _sweep(options: argparse.Namespace) -> None:
     run_sweep(options, dict(setting(text) for text in options.settings))
 
 
+def _fit(options: argparse.Namespace) -> None:
+    from softffd.cli.fit import run_fit
+
+    run_fit(options, dict(setting(text) for text in options.settings))
+
+
 def _ssp(options: argparse.Namespace) -> None:
     from softffd.cli.coupled import write_coupled
 
@@ -278,7 +284,7 @@ def _schema(_options: argparse.Namespace) -> None:
 
 
 COMMANDS: dict[str, Callable[[argparse.Namespace], None]] = {
-    "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _sweep, "accuracy": _accuracy,
+    "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _sweep, "fit": _fit, "accuracy": _accuracy,
     "drivers": _drivers, "scenes": _scenes, "view": _view, "live": _live, "export": _export, "info": _info, "new": _new,
     "schema": _schema,
 }  # fmt: skip
