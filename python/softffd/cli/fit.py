@@ -33,9 +33,10 @@ def run_fit(options: argparse.Namespace, start_values: dict[str, str]) -> None:
             line.note(f"{runs} runs, {clock.monotonic() - began:.0f} s; left {left:.4g}")
 
         found = fit(
-            options.scenes, options.data, options.match, vary, against=options.against, noise=options.noise, stop_time=options.stop_time,
-            step=options.step, start_values=start_values, inputs={} if options.no_input else options.input, tolerance=options.tolerance,
-            method=options.method, jobs=jobs, executor=executor, progress=progress,
+            options.scenes, options.data, options.match, vary, against=options.against, recorded=options.recorded, noise=options.noise,
+            stop_time=options.stop_time, step=options.step, start_values=start_values,
+            inputs={} if options.no_input else options.input, tolerance=options.tolerance, method=options.method,
+            jobs=jobs, executor=executor, progress=progress,
         )  # fmt: skip
         files = found.save(folder)
     print(found)

@@ -167,6 +167,8 @@ def _fit(add: Add) -> None:
     fit.add_argument("--vary", **repeated, metavar="NAME[=START]", help=vary)
     against = "Input or output in the place of time, such as a displacement, and its column."
     fit.add_argument("--against", metavar="NAME", help=against)
+    recorded = "The data are outputs of a run, as result.csv: reactions are means of the steps that end at their times."
+    fit.add_argument("--recorded", action="store_true", help=recorded)
     noise = "Standard deviation of each --data in the unit of the output; only their ratios count; default: all alike."
     fit.add_argument("--noise", type=_number, action="append", metavar="D", help=noise)
     _add_run_options(fit)

@@ -16,13 +16,14 @@ import numpy as np
 from softffd.fitting.curve import Curve
 from softffd.fitting.parameters import Parameter, values_of
 from softffd.fitting.result import Fit
+from softffd.spelling import few
 
 WIDE = 0.5
 """Standard error along a direction, as a part of the parameters' scale, from which on the data do not show it"""
 TAKES_PART = 0.1
 """Part of the square of a direction from which on a parameter belongs to it"""
 LEAST = 1e-12
-"""Of singular values to the largest: none is exactly zero"""
+"""Of a singular value to the size of the curve, and to the largest one"""
 KNOWN = 3.0
 """A singular value counts where it is so many times the error of the Jacobian"""
 FOLLOWING = 3.0
@@ -49,8 +50,9 @@ def estimate(
     deviation = float(np.sqrt(left @ left / (len(left) - count)))
     _, singular, directions = np.linalg.svd(jacobian.columns, full_matrices=False)
     known = np.sqrt(directions**2 @ jacobian.errors**2)  # of each direction's singular value
+    size = float(np.linalg.norm(np.concatenate([curve.fitted for curve in curves])))
+    hidden = (singular <= np.maximum(KNOWN * known, LEAST * size)) | (deviation >= WIDE * singular)
     singular = np.maximum(singular, max(LEAST * singular[0], 1e-100))
-    hidden = (singular <= KNOWN * known) | (deviation >= WIDE * singular)
     together = tuple(
         tuple(name for name, part in zip(names, direction, strict=True) if part**2 > TAKES_PART) for direction in directions[hidden]
     )
@@ -65,10 +67,10 @@ def estimate(
         for parameter, x, size, gone in zip(parameters, jacobian.point, sizes, lost, strict=True)
     }
     values = values_of(list(parameters), jacobian.point)
-    warnings = [*map(_undetermined, together), *_at_ends(parameters, values), *_following(curves)]
+    warnings = [*map(_undetermined, together), *_at_ends(parameters, values), *_following(curves, noise)]
     if not converged:
         warnings.append("the parameters still moved when the runs were ended: start nearer")
-    warnings += [f"columns of the data that are not used: {', '.join(curve.unused)}" for curve in curves if curve.unused]
+    warnings += [f"columns of the data that are not used: {few(curve.unused)}" for curve in curves if curve.unused]
     return Fit(
         values, errors, correlations, together, deviation, tuple(dict.fromkeys(warnings)), curves,
         {parameter.name: parameter.unit for parameter in parameters}, {parameter.name: parameter.start for parameter in parameters},
@@ -91,12 +93,13 @@ def _at_ends(parameters: Sequence[Parameter], values: dict[str, float]) -> list[
     return found
 
 
-def _following(curves: tuple[Curve, ...]) -> list[str]:
-    """What the data and the model have in common is not all: noise does not follow itself."""
+def _following(curves: tuple[Curve, ...], noise: float) -> list[str]:
+    """What the data and the model have in common is not all: noise does not follow itself, but for that of the solver."""
     found = []
     for curve in curves:
         left = curve.measured - curve.fitted
-        if len(left) > 10 and (size := left @ left) > 0 and left[1:] @ left[:-1] / size > FOLLOWING / math.sqrt(len(left)):
+        size = left @ left
+        if len(left) > 10 and size > len(left) * noise**2 and left[1:] @ left[:-1] / size > FOLLOWING / math.sqrt(len(left)):
             found.append(
                 "what is left goes up and down over many rows: the model does not follow the data, and standard errors are too small"
             )

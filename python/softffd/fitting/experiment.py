@@ -55,7 +55,9 @@ class Experiment:
     unused: list[str]
     """Columns of the data that nothing was done with"""
     mean: bool
-    """Whether what is matched is a mean of steps"""
+    """Whether what is matched is a mean of steps, and the data are not"""
+    along_mean: bool
+    """Likewise of `against`"""
     over: OverAnother | None
     course: np.ndarray | None
     """Of `against` (T,), where it is an input; else it is read from the run"""
@@ -71,15 +73,11 @@ class Experiment:
         if self.over is None:
             return over_time(at_middles(times, times, mean=False, means=self.mean), values, self.at)
         along = readings[1] if self.course is None else self.course
-        along_mean = self.course is None and self._is_mean(self.against)
-        return self.over(at_middles(times, along, mean=along_mean, means=self.mean), values, strict=strict)
-
-    def _is_mean(self, name: str) -> bool:
-        return self.mean if name == self.match else is_step_mean(name)
+        return self.over(at_middles(times, along, mean=self.along_mean, means=self.mean), values, strict=strict)
 
 
 def experiment_of(
-    scene_or_fmu: Scene | str | Path, folder: Path, data: Data, match: str, vary: Mapping[str, Any], against: str | None,
+    scene_or_fmu: Scene | str | Path, folder: Path, data: Data, match: str, vary: Mapping[str, Any], against: str | None, recorded: bool,
     inputs: Source | None, stop_time: float | None, step: float | None, start_values: Mapping[str, Any] | None, settings: Mapping[str, Any],
 ) -> tuple[Experiment, list[Parameter]]:  # fmt: skip
     """An experiment and its parameters, everything checked; see `fit`. folder: a temporary one for the FMU of a scene."""
@@ -115,8 +113,8 @@ def experiment_of(
     points = Points(**{**vars(plan), "readings": tuple(Reading(COURSE, name) for name in readings)})
     over = None if against is None else OverAnother(against, at)
     course = _course(inputs, against, points) if against and is_input else None
-    mean = own and is_step_mean(match)
-    return Experiment(points, title, match, along, units, measured, at, unused, mean, over, course), parameters
+    mean, along_mean = (own and not recorded and is_step_mean(name) for name in (match, along))
+    return Experiment(points, title, match, along, units, measured, at, unused, mean, along_mean, over, course), parameters
 
 
 def _as_fmu(what: Scene | Path, folder: Path) -> Path:

@@ -53,6 +53,7 @@ def fit(
     vary: Iterable[str] | Mapping[str, float | None],
     *,
     against: str | None = None,
+    recorded: bool = False,
     noise: Sequence[float] | None = None,
     stop_time: float | None = None,
     step: float | None = None,
@@ -75,12 +76,14 @@ def fit(
     vary: names of fixed or tunable parameters, or starts by name; without a start it is the FMU's own, of several tests the first one's.
     against: an input or output in the place of time, such as a displacement: its column must follow the branches of the run's, loading
         and unloading, but needs no time.
+    recorded: whether the data are outputs of a run, as in result.csv. Reactions and torques in them are means of the steps that end at
+        their times; those of an instrument are of the time itself, and the means of the runs then count in the middle of their steps.
     noise: standard deviations of the tests, where they differ; only their ratios count.
     stop_time: of the runs [s]; by default the communication point of the last row or the next one, without times the FMU's.
     step, start_values, inputs, tolerance, method: of all runs, as for `simulate`.
     jobs, executor: who makes the runs of a Jacobian, as for `sweep`.
     progress: called as progress(runs so far, root of the mean square of what is left [unit of match]).
-    Outputs that are means of a communication step count in the middle of it. Raises FmuError where names, values or data cannot be used
+    Raises FmuError where names, values or data cannot be used
     and where the first run fails; SoftffdError where SciPy is missing. Ctrl-C raises KeyboardInterrupt with the best parameters so far.
     """
     optimize = package("scipy.optimize", "fit", "fit")
@@ -89,7 +92,7 @@ def fit(
     scenes, tests = _paired(scene_or_fmu, data)
     vary = vary if isinstance(vary, Mapping) else dict.fromkeys([vary] if isinstance(vary, str) else vary)
     with TemporaryDirectory(prefix="softffd-") as folder, runner(jobs or 1, executor) as make:
-        how = match, vary, against, inputs, stop_time, step, start_values, settings
+        how = match, vary, against, recorded, inputs, stop_time, step, start_values, settings
         made = [experiment_of(what, Path(folder) / str(n), one, *how) for n, (what, one) in enumerate(zip(scenes, tests, strict=True))]
         experiments, parameters = [experiment for experiment, _ in made], made[0][1]
         rows = sum(len(each.measured) for each in experiments)
@@ -99,10 +102,11 @@ def fit(
         try:
             runs.begin()
             low, high = np.transpose([parameter.bounds for parameter in parameters])
-            solved = optimize.least_squares(
-                runs.residuals, np.ones(len(parameters)), runs.jacobian, bounds=(low, high), method="trf", x_scale=1.0,
-                ftol=CLOSE / rows, xtol=SHORT, gtol=None, max_nfev=MOST_ITERATIONS,
-            )  # fmt: skip
+            with np.errstate(divide="ignore", invalid="ignore"):  # where a parameter has no effect at all
+                solved = optimize.least_squares(
+                    runs.residuals, np.ones(len(parameters)), runs.jacobian, bounds=(low, high), method="trf", x_scale=1.0,
+                    ftol=CLOSE / rows, xtol=SHORT, gtol=None, max_nfev=MOST_ITERATIONS,
+                )  # fmt: skip
             return runs.fit(solved.x, converged=solved.status > 0)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(runs.so_far()) from None
