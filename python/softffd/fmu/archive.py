@@ -29,7 +29,7 @@ def write_archive(path: Path, entries: Mapping[str, bytes]) -> None:
 
 
 def unpack(path: Path, folder: str) -> str | None:
-    """Unpacks what a run reads: no documentation, no libraries of other platforms. Returns the path of the installed library where the FMU
+    """Unpacks what a run reads: no documentation, no terminals, no libraries of other platforms. Returns the path of the installed library where the FMU
     has the same one, which is not unpacked then: that and loading it again would take longer than a thousand communication steps."""
     import fmpy
 
@@ -54,7 +54,7 @@ def require_no_bomb(archive: ZipFile, packed: int) -> None:
 
 def _is_read(name: str) -> bool:
     room, _, rest = name.partition("/")
-    return room not in ("documentation", "sources") and (room != "binaries" or rest.partition("/")[0] in platforms())
+    return room not in ("documentation", "sources", "terminalsAndIcons") and (room != "binaries" or rest.partition("/")[0] in platforms())
 
 
 def _is_installed(entry: ZipInfo) -> bool:

@@ -18,10 +18,12 @@ from softffd.embedding.samples import Samples, surface_samples
 from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
 from softffd.fmu.interface import Interface, scene_interface
-from softffd.fmu.model_description import completed, model_description, model_description3
+from softffd.fmu.model_description import completed, model_description, model_description3, xml_text
 from softffd.fmu.notes import NAME as NOTES
 from softffd.fmu.notes import body_notes
 from softffd.fmu.records import NAME, scene_records, scene_text
+from softffd.fmu.terminals import PLACE as TERMINALS
+from softffd.fmu.terminals import terminals
 from softffd.fmu.variables import Variable, variables
 from softffd.installed import data_folder, libraries
 from softffd.lattice import cells_within, shared_by_corners, to_flat
@@ -96,7 +98,9 @@ def package_fmu(
     if fmi not in (2, 3):
         raise SoftffdError(f"fmi: wanted 2 or 3, got {fmi!r:.70}")
     found = libraries([platforms] if isinstance(platforms, str) else platforms)
-    texts, _, _ = scene_texts(scene, fmi)
+    texts, listed, _ = scene_texts(scene, fmi)
+    if (document := terminals(listed, fmi, flat=scene.fmu.names == "flat")) is not None:
+        texts[TERMINALS] = xml_text(document).encode()
     folders = {name: name if fmi == 2 else PLATFORMS3.get(name, name) for name in found}
     icon = "model.png" if fmi == 2 else "terminalsAndIcons/icon.png"
     files = {

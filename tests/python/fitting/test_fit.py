@@ -89,6 +89,7 @@ def test_a_run_s_own_table_is_of_means_that_end_at_its_times(recorded):
     assert (found.values["damping"] == pytest.approx(3.0, rel=1e-4)) == recorded
 
 
+@pytest.mark.full
 def test_a_curve_of_zeros_tells_nothing():
     data = {"time": np.linspace(0, 0.1, 11), FORCE: np.zeros(11)}
     found = fit(SCENE, data, FORCE, TRUTH.keys(), inputs={WAY: 2.0})
@@ -117,6 +118,7 @@ def test_a_force_measured_at_its_time_is_no_half_step_late():
     assert found.values["youngs_modulus"] == pytest.approx(2e6, rel=0.01)
 
 
+@pytest.mark.full
 def test_tests_share_their_parameters_and_noise_weighs_them(curve):
     found = fit([SCENE, SCENE], [noisy(curve, 3), noisy(curve, 4, 30.0)], FORCE, TRUTH.keys(), inputs=COURSE, noise=[3.0, 30.0])
     within(found)
@@ -164,6 +166,7 @@ def test_one_component_makes_all_runs(curve, monkeypatch):
     assert told[-1][1] < told[0][1] / 10
 
 
+@pytest.mark.full
 def test_workers_of_an_executor_find_the_same(curve):
     here = fit(SCENE, noisy(curve, 1), FORCE, TRUTH.keys(), inputs=COURSE)
     with ThreadPoolExecutor(2) as executor:
@@ -225,6 +228,7 @@ def test_columns_that_nothing_is_done_with_are_told(curve):
     assert any('not used: plane.pres.point.z, did you mean "plane.press.point.z"?' in each for each in words)
 
 
+@pytest.mark.full
 def test_poissons_ratio_stays_in_its_range():
     """A bonded pad, whose force says how little its volume changes."""
     pad, _ = bonded_pad(5e-4)
