@@ -89,8 +89,14 @@ def _build(options: argparse.Namespace) -> None:
     asked = f"{scene.name}.fmu" if options.output is None else options.output
     if not options.overwrite:
         require_new([Path(asked)], "another name by -o X.fmu")
-    with ProgressLine("packaging"):
-        path = package_fmu(scene, asked, platforms=options.platform, fmi=options.fmi)
+    with ProgressLine("packaging") as progress:
+        extra = None
+        if options.reference:
+            from softffd.run.reference import reference_files
+
+            progress.stage("simulating")
+            extra = reference_files(scene, progress=progress)
+        path = package_fmu(scene, asked, platforms=options.platform, fmi=options.fmi, extra=extra)
     masses = scene_masses(scene)
     print(f"{path}: {scene.title}")
     listed = variables(scene, masses.mass)

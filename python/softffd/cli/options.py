@@ -96,6 +96,8 @@ def _demo_and_build(add: Add) -> None:
     platforms = "FMI platform whose library the FMU carries, such as linux64; may be repeated; default: all that are installed."
     build.add_argument("--platform", action="append", metavar="NAME", help=platforms)
     versions = "Version of the FMI standard: 2 (default), or 3, in which variables are arrays."
+    reference = "Run the scene twice, and put inputs, results and their error into the FMU (FMI-LS-REF)."
+    build.add_argument("--reference", action="store_true", help=reference)
     build.add_argument("--fmi", type=int, choices=(2, 3), default=2, help=versions)
 
 

@@ -29,8 +29,9 @@ def write_archive(path: Path, entries: Mapping[str, bytes]) -> None:
 
 
 def unpack(path: Path, folder: str) -> str | None:
-    """Unpacks what a run reads: no documentation, no terminals, no libraries of other platforms. Returns the path of the installed library where the FMU
-    has the same one, which is not unpacked then: that and loading it again would take longer than a thousand communication steps."""
+    """Unpacks what a run reads: no documentation, no terminals, no libraries of other platforms. Returns the path of the installed library
+    where the FMU has the same one, which is not unpacked then: that and loading it again would take longer than a thousand communication
+    steps."""
     import fmpy
 
     with ZipFile(path) as archive:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -82,14 +82,16 @@ def _of_cells(scene: Scene, total: float) -> np.ndarray:
 
 
 def package_fmu(
-    scene: Scene | str | Path, path: str | Path, *, platforms: Iterable[str] | str | None = None, fmi: Literal[2, 3] = 2
-) -> Path:
+    scene: Scene | str | Path, path: str | Path, *, platforms: Iterable[str] | str | None = None, fmi: Literal[2, 3] = 2,
+    extra: Mapping[str, bytes] | None = None,
+) -> Path:  # fmt: skip
     """Writes the scene's FMU and returns its path; the same scene gives the same bytes.
 
     scene: a scene, the path of its file, or the name of a shipped one.
     path: a file name ending in .fmu; folders are made where absent.
     platforms: FMI platform names (linux64, ...) to carry; all that this installation has by default. SoftffdError if one is missing.
     fmi: 2 for FMI 2.0, 3 for FMI 3.0, whose variables are arrays.
+    extra: further files by their names in the FMU, such as those of softffd.run.reference.
     """
     from softffd.scene.scene import scene_of  # brings pydantic along, which those who have an FMU do without
 
@@ -108,7 +110,7 @@ def package_fmu(
         icon: data_folder() / "model.png",
         **{f"binaries/{folders[name]}/{file.name}": file for name, file in found.items()},
     }
-    write_archive(path, texts | {name: file.read_bytes() for name, file in files.items()})
+    write_archive(path, texts | {name: file.read_bytes() for name, file in files.items()} | dict(extra or {}))
     return path
 
 
