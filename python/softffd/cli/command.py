@@ -80,7 +80,7 @@ def _demo(options: argparse.Namespace) -> None:
 
 def _build(options: argparse.Namespace) -> None:
     from softffd.fmu.notes import body_notes
-    from softffd.fmu.package import package_fmu, scene_masses, scene_samples
+    from softffd.fmu.package import package_fmu, platform_notes, scene_masses, scene_samples
     from softffd.fmu.variables import size_warning, variables
     from softffd.installed import least_glibc, libraries
     from softffd.scene.scene import load_scene
@@ -104,7 +104,7 @@ def _build(options: argparse.Namespace) -> None:
     print(f"  {count} variables, {path.stat().st_size / 1024:.0f} kB, mass {masses.mass.sum():.6g} kg")
     needs = {name: least_glibc(library) for name, library in libraries(options.platform).items()}
     print("  runs on " + ", ".join(f"{name} with glibc {glibc} or newer" if glibc else name for name, glibc in needs.items()))
-    for note in body_notes(scene, masses, scene_samples(scene)):
+    for note in [*platform_notes(needs, options.fmi), *body_notes(scene, masses, scene_samples(scene))]:
         print(f"  {note}")
     if warning := size_warning(scene, count):
         print(f"  warning: {warning}")
