@@ -82,6 +82,7 @@ def experiment_of(
 ) -> tuple[Experiment, list[Parameter]]:  # fmt: skip
     """An experiment and its parameters, everything checked; see `fit`. folder: a temporary one for the FMU of a scene."""
     what = run_source(scene_or_fmu, "fit")
+    driven = inputs is not None and not (isinstance(inputs, Mapping) and not inputs)
     if inputs is None and not isinstance(what, Path):
         inputs = what.default_inputs
     file = _as_fmu(what, folder)
@@ -95,9 +96,11 @@ def experiment_of(
             raise UnknownName(f"against: {against}: the FMU has no such variable{component.hint(against)}")
         measured, at = columns.column(match), columns.column(along)
         timed = "time" in columns.values
-        given = columns.inputs(component, {match} if timed else {match, along})
-        if given is not None:
-            inputs = given
+        given = columns.inputs(component, {match} if timed and not driven else {match, along})
+        if given is not None and driven:
+            names = ", ".join((given.dtype.names or ())[1:])
+            raise FmuError(f"{columns.where}has columns of inputs, {names}, and `inputs` drives the runs too: leave out one of the two")
+        inputs = inputs if given is None else given
         own, title, default_step = component.lattice is not None, component.interface.title, component.interface.step
         played = [] if given is None else list(given.dtype.names or ())
         unused = columns.unused(component, {match, along, *played})
@@ -110,7 +113,7 @@ def experiment_of(
     readings = [match] if against is None or is_input else [match, against]
     starts = {parameter.name: [parameter.start] for parameter in parameters}
     plan = plan_of(file, starts, readings, stop_time, step, start_values, inputs, settings)
-    points = Points(**{**vars(plan), "readings": tuple(Reading(COURSE, name) for name in readings)})
+    points = Points(**{**vars(plan), "readings": tuple(Reading(COURSE, each.name) for each in plan.readings)})
     over = None if against is None else OverAnother(against, at)
     course = _course(inputs, against, points) if against and is_input else None
     mean, along_mean = (own and not recorded and is_step_mean(name) for name in (match, along))
@@ -128,9 +131,9 @@ def _as_fmu(what: Scene | Path, folder: Path) -> Path:
 
 
 def _require_matched(component: Component, match: str) -> None:
-    outputs = [v.name for v in component.by_name.values() if v.causality == "output" and v.kind != "String"]
-    if match not in outputs:
-        found = component.by_name.get(match)
+    found = component.by_name.get(match)
+    if not found or found.causality != "output" or found.kind == "String":
+        outputs = [v.name for v in component.by_name.values() if v.causality == "output" and v.kind != "String"]
         got = f"got its {found.causality} of that name" if found else "it has none of this name"
         raise UnknownName(f"match: {match}: wanted an output of the FMU that is a number, {got}{component.hint(match, outputs)}")
 

@@ -83,8 +83,8 @@ def fit(
     step, start_values, inputs, tolerance, method: of all runs, as for `simulate`.
     jobs, executor: who makes the runs of a Jacobian, as for `sweep`.
     progress: called as progress(runs so far, root of the mean square of what is left [unit of match]).
-    Raises FmuError where names, values or data cannot be used
-    and where the first run fails; SoftffdError where SciPy is missing. Ctrl-C raises KeyboardInterrupt with the best parameters so far.
+    Raises FmuError where names, values or data cannot be used and where the first run fails; SoftffdError where SciPy is missing. Ctrl-C
+    raises KeyboardInterrupt with the best parameters so far.
     """
     optimize = package("scipy.optimize", "fit", "fit")
     require_workers(jobs, executor)
@@ -176,26 +176,28 @@ class _Runs:
         """(m, n), by differences from the run at this point; to the other side where a run fails or the range ends."""
         centre = self.residuals(point)
         assert np.isfinite(centre).all()
-        columns = np.empty((len(centre), len(point)))
-        sides = np.array(
-            [1.0 if x + h <= each.bounds[1] else -1.0 for x, h, each in zip(point, self._steps, self._parameters, strict=True)]
-        )
-        left, words = list(range(len(point))), ""
-        for turned in (1.0, -1.0):
-            curves = self._curves([point + turned * sides[j] * self._steps[j] * np.eye(len(point))[j] for j in left])
-            for j, curve in zip(left, curves, strict=True):
+        columns, words = np.empty((len(centre), len(point))), ""
+        left = list(range(len(point)))
+        for sign in (1.0, -1.0):
+            moves = {j: sign * self._steps[j] for j in left if self._within(j, point[j] + sign * self._steps[j])}
+            curves = self._curves([point + move * np.eye(len(point))[j] for j, move in moves.items()])
+            for (j, move), curve in zip(moves.items(), curves, strict=True):
                 if isinstance(curve, str):
                     words = curve
                 else:
-                    columns[:, j] = self._weights * (curve - self._curve) / (turned * sides[j] * self._steps[j])
-            left = [j for j, curve in zip(left, curves, strict=True) if isinstance(curve, str)]
+                    columns[:, j] = self._weights * (curve - self._curve) / move
+                    left.remove(j)
         if left:
-            raise FmuError(f"runs near {_told(self._parameters, point)} fail: {words}")
+            raise FmuError(f"runs near {_told(self._parameters, point)} fail: {words or 'the ranges of parameters are too narrow'}")
         self._last = Jacobian(point.copy(), columns, self.noise * math.sqrt(2 * len(centre)) / self._steps)
         slopes = np.sqrt(np.mean(columns**2, axis=0))
         with np.errstate(divide="ignore", invalid="ignore"):
             self._steps = np.clip(np.nan_to_num(2 * np.sqrt(self.noise / slopes), nan=FIRST_STEP), LEAST_STEP, MOST_STEP)
         return columns
+
+    def _within(self, n: int, coordinate: float) -> bool:
+        low, high = self._parameters[n].bounds
+        return low <= coordinate <= high
 
     def fit(self, point: np.ndarray, *, converged: bool) -> Fit:
         """The result at the best point."""
@@ -231,6 +233,8 @@ class _Runs:
                 try:
                     if isinstance(read, str):
                         raise FmuError(read)
+                    if not np.isfinite(read).all():
+                        raise FmuError(f"{experiment.match}: the run gives numbers that are not finite")
                     found[n].append(experiment.curve(read, strict=strict and n == 0))
                 except FmuError as error:
                     words[n] = str(error)
@@ -239,4 +243,5 @@ class _Runs:
 
 def _told(parameters: list[Parameter], point: np.ndarray) -> str:
     values = values_of(parameters, point)
-    return ", ".join(f"{each.name} = {values[each.name]:.6g} {each.unit}".rstrip() for each in parameters)
+    units = {each.name: each.unit if each.unit != "1" else "" for each in parameters}
+    return ", ".join(f"{name} = {value:.6g} {units[name]}".rstrip() for name, value in values.items())

@@ -222,6 +222,21 @@ def test_data_must_be_more_than_parameters_and_begin_with_the_run(curve):
         fit(SCENE, noisy(curve, 1) | {"time": curve["time"] - 1}, FORCE, TRUTH.keys(), inputs=COURSE)
 
 
+def test_flat_names_mean_the_same(curve):
+    data = {name.replace(".", "_"): column for name, column in {**noisy(curve, 2), WAY: curve[WAY]}.items() if name != "time"}
+    flat = pressed(fmu={"names": "flat"})
+    asked = {"inputs": COURSE, "against": "plane_press_point_z"}
+    found = fit(flat, data, "plane_press_reaction_z", ["stiffness_edge", "damping"], **asked)
+    wanted = fit(SCENE, noisy(curve, 2) | {WAY: curve[WAY]}, FORCE, TRUTH.keys(), inputs=COURSE, against=WAY)
+    assert list(found.values.values()) == pytest.approx(list(wanted.values.values()), rel=1e-6)
+
+
+def test_inputs_come_from_the_data_or_from_elsewhere(curve):
+    data = noisy(curve, 1) | {WAY: curve[WAY], "plane.press.velocity.z": curve[WAY]}
+    with pytest.raises(FmuError, match=r"has columns of inputs, plane.press.point.z, plane.press.velocity.z, and `inputs` drives"):
+        fit(SCENE, data, FORCE, ["damping"], inputs=COURSE)
+
+
 def test_columns_that_nothing_is_done_with_are_told(curve):
     data = noisy(curve, 1) | {"plane.pres.point.z": curve[WAY]}
     words = fit(SCENE, data, FORCE, ["stiffness.edge"], inputs=COURSE).warnings
