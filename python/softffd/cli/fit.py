@@ -29,8 +29,8 @@ def run_fit(options: argparse.Namespace, start_values: dict[str, str]) -> None:
     began = clock.monotonic()
     with executor_at(options.scheduler) as executor, ProgressLine("fitting") as line:
 
-        def progress(runs: int, left: float) -> None:
-            line.note(f"{runs} runs, {clock.monotonic() - began:.0f} s; left {left:.4g}")
+        def progress(runs: int, residual: float) -> None:
+            line.note(f"{runs} runs, {clock.monotonic() - began:.0f} s; residual {residual:.4g}")
 
         found = fit(
             options.scenes, options.data, options.match, vary, against=options.against, recorded=options.recorded, noise=options.noise,

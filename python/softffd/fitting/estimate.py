@@ -26,8 +26,8 @@ LEAST = 1e-12
 """Of a singular value to the size of the curve, and to the largest one"""
 KNOWN = 3.0
 """A singular value counts where it is so many times the error of the Jacobian"""
-FOLLOWING = 3.0
-"""What is left follows itself where its correlation from row to row is so many standard deviations of that of noise"""
+CORRELATED = 3.0
+"""Residuals are no noise where their correlation from row to row is so many standard deviations of that of noise"""
 
 
 class Jacobian(NamedTuple):
@@ -42,12 +42,12 @@ class Jacobian(NamedTuple):
 
 
 def estimate(
-    parameters: Sequence[Parameter], jacobian: Jacobian, left: np.ndarray, curves: tuple[Curve, ...], *, runs: int, noise: float,
+    parameters: Sequence[Parameter], jacobian: Jacobian, residuals: np.ndarray, curves: tuple[Curve, ...], *, runs: int, noise: float,
     converged: bool,
 ) -> Fit:  # fmt: skip
-    """The result at the best point. left: what is left (m,), weighted, in the unit of what is matched."""
+    """The result at the best point. residuals: (m,), weighted, in the unit of what is matched."""
     names, count = [parameter.name for parameter in parameters], len(parameters)
-    deviation = float(np.sqrt(left @ left / (len(left) - count)))
+    deviation = float(np.sqrt(residuals @ residuals / (len(residuals) - count)))
     _, singular, directions = np.linalg.svd(jacobian.columns, full_matrices=False)
     known = np.sqrt(directions**2 @ jacobian.errors**2)  # of each direction's singular value
     size = float(np.linalg.norm(np.concatenate([curve.fitted for curve in curves])))
@@ -67,7 +67,7 @@ def estimate(
         for parameter, x, size, gone in zip(parameters, jacobian.point, sizes, lost, strict=True)
     }
     values = values_of(list(parameters), jacobian.point)
-    warnings = [*map(_undetermined, together), *_at_ends(parameters, values), *_following(curves, noise)]
+    warnings = [*map(_undetermined, together), *_at_ends(parameters, values), *_correlated(curves, noise)]
     if not converged:
         warnings.append("the parameters still moved when the runs were ended: start nearer")
     warnings += [f"columns of the data that are not used: {few(curve.unused)}" for curve in curves if curve.unused]
@@ -93,14 +93,14 @@ def _at_ends(parameters: Sequence[Parameter], values: dict[str, float]) -> list[
     return found
 
 
-def _following(curves: tuple[Curve, ...], noise: float) -> list[str]:
+def _correlated(curves: tuple[Curve, ...], noise: float) -> list[str]:
     """What the data and the model have in common is not all: noise does not follow itself, but for that of the solver."""
     found = []
     for curve in curves:
-        left = curve.measured - curve.fitted
-        size = left @ left
-        if len(left) > 10 and size > len(left) * noise**2 and left[1:] @ left[:-1] / size > FOLLOWING / math.sqrt(len(left)):
+        rest = curve.measured - curve.fitted
+        size = rest @ rest
+        if len(rest) > 10 and size > len(rest) * noise**2 and rest[1:] @ rest[:-1] / size > CORRELATED / math.sqrt(len(rest)):
             found.append(
-                "what is left goes up and down over many rows: the model does not follow the data, and standard errors are too small"
+                "the residuals go up and down over many rows: the model does not follow the data, and standard errors are too small"
             )
     return found

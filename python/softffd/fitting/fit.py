@@ -82,7 +82,7 @@ def fit(
     stop_time: of the runs [s]; by default the communication point of the last row or the next one, without times the FMU's.
     step, start_values, inputs, tolerance, method: of all runs, as for `simulate`.
     jobs, executor: who makes the runs of a Jacobian, as for `sweep`.
-    progress: called as progress(runs so far, root of the mean square of what is left [unit of match]).
+    progress: called as progress(runs so far, root mean square of the residuals [unit of match]).
     Raises FmuError where names, values or data cannot be used and where the first run fails; SoftffdError where SciPy is missing. Ctrl-C
     raises KeyboardInterrupt with the best parameters so far.
     """
@@ -163,13 +163,13 @@ class _Runs:
         if not np.array_equal(point, self._at):
             (curve,) = self._curves([point])
             self._at, self._curve = point.copy(), np.full(len(self._measured), np.inf) if isinstance(curve, str) else curve
-        left = self._curve - self._measured
-        rms = float(np.sqrt(np.mean(left**2)))
+        residuals = self._curve - self._measured
+        rms = float(np.sqrt(np.mean(residuals**2)))
         if rms < self._best[0]:
             self._best = rms, point.copy()
         if self._progress:
             self._progress(self.count, self._best[0])
-        result: np.ndarray = self._weights * left
+        result: np.ndarray = self._weights * residuals
         return result
 
     def jacobian(self, point: np.ndarray) -> np.ndarray:
@@ -177,17 +177,17 @@ class _Runs:
         centre = self.residuals(point)
         assert np.isfinite(centre).all()
         columns, words = np.empty((len(centre), len(point))), ""
-        left = list(range(len(point)))
+        missing = list(range(len(point)))
         for sign in (1.0, -1.0):
-            moves = {j: sign * self._steps[j] for j in left if self._within(j, point[j] + sign * self._steps[j])}
+            moves = {j: sign * self._steps[j] for j in missing if self._within(j, point[j] + sign * self._steps[j])}
             curves = self._curves([point + move * np.eye(len(point))[j] for j, move in moves.items()])
             for (j, move), curve in zip(moves.items(), curves, strict=True):
                 if isinstance(curve, str):
                     words = curve
                 else:
                     columns[:, j] = self._weights * (curve - self._curve) / move
-                    left.remove(j)
-        if left:
+                    missing.remove(j)
+        if missing:
             raise FmuError(f"runs near {_told(self._parameters, point)} fail: {words or 'the ranges of parameters are too narrow'}")
         self._last = Jacobian(point.copy(), columns, self.noise * math.sqrt(2 * len(centre)) / self._steps)
         slopes = np.sqrt(np.mean(columns**2, axis=0))
@@ -201,7 +201,7 @@ class _Runs:
 
     def fit(self, point: np.ndarray, *, converged: bool) -> Fit:
         """The result at the best point."""
-        left = self.residuals(point)
+        residuals = self.residuals(point)
         if self._last is None or not np.array_equal(self._last.point, point):
             self.jacobian(point)
         assert self._last is not None
@@ -210,7 +210,7 @@ class _Runs:
             Curve(each.title, each.match, each.against, each.units, each.at, each.measured, fitted, tuple(each.unused))
             for each, fitted in zip(self._experiments, np.split(self._curve, ends), strict=True)
         )
-        return estimate(self._parameters, self._last, left, curves, runs=self.count, noise=self.noise, converged=converged)
+        return estimate(self._parameters, self._last, residuals, curves, runs=self.count, noise=self.noise, converged=converged)
 
     def so_far(self) -> str:
         """What an interrupt says."""

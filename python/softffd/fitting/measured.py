@@ -52,8 +52,8 @@ class Columns:
     def unused(self, component: Component, used: Iterable[str]) -> list[str]:
         """The columns that nothing was done with, each with the input whose name is nearest."""
         there = [variable.name for variable in component.by_name.values() if variable.causality == "input"]
-        left = [name for name in self.values if name not in {"time", *used}]
-        return [f"{name}{did_you_mean(nearest_of(name, there)) if name not in component.by_name else ''}" for name in left]
+        others = [name for name in self.values if name not in {"time", *used}]
+        return [f"{name}{did_you_mean(nearest_of(name, there)) if name not in component.by_name else ''}" for name in others]
 
 
 def columns_of(data: Data) -> Columns:

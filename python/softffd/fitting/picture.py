@@ -1,4 +1,4 @@
-"""The picture of a fit: data, curve and what is left, a column for each test."""
+"""The picture of a fit: data, curve and residuals, a column for each test."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FORMATS = (".png", ".svg", ".pdf")
 
 
 def draw(title: str, curves: Sequence[Curve], file: str | Path | None) -> Figure:
-    """A panel of data and curve above one of what is left, for each test. file: where it is written, if anywhere."""
+    """A panel of data and curve above one of residuals, for each test. file: where it is written, if anywhere."""
     if file is not None and Path(file).suffix not in FORMATS:
         raise SoftffdError(f"{file}: wanted a picture's name that ends with {', '.join(FORMATS)}")
     count = len(curves)
@@ -42,7 +42,7 @@ def _column(above: Any, below: Any, curve: Curve) -> None:
     below.axhline(0.0, color=CURVES[1], linewidth=1.2)
     above.set_title(curve.title, fontsize=9.5, color=SOFT, **PLAIN)
     above.set_ylabel(curve.match, **PLAIN)
-    below.set_ylabel("left", **PLAIN)
+    below.set_ylabel("residual", **PLAIN)
     across = f"{curve.against} [{curve.units[curve.against]}]" if curve.against == "time" else curve.against
     below.set_xlabel(across, **PLAIN)
     if curve.against != "time":

@@ -30,7 +30,7 @@ class Fit:
     undetermined: tuple[tuple[str, ...], ...]
     """Parameters that cannot be told apart from these data, those of each such direction together; alone, one without effect"""
     deviation: float
-    """Standard deviation of what is left, in the unit of what is matched"""
+    """Standard deviation of the residuals, in the unit of what is matched"""
     warnings: tuple[str, ...]
     curves: tuple[Curve, ...]
     """Of each test"""
@@ -55,11 +55,12 @@ class Fit:
             if math.isfinite(self.correlations[i, j])
         ]
         curve = self.curves[0]
-        left = f"  left of {curve.match}: {self.deviation:.3g} {curve.units[curve.match]}, standard deviation over {self.rows} rows"
+        spread = f"{self.deviation:.3g} {curve.units[curve.match]}".rstrip()
+        residuals = f"  residuals of {curve.match}: standard deviation {spread} over {self.rows} rows"
         tests = f" of {len(self.curves)} tests" if len(self.curves) > 1 else ""
         head = f"Fit of {len(names)} parameter{'s' * (len(names) > 1)} to {curve.match}{tests}, {self.runs} runs; with standard errors:"
         correlated = [f"  correlations: {', '.join(pairs)}"] if pairs else []
-        return "\n".join([head, *rows, left, *correlated, *(f"  warning: {words}" for words in self.warnings)])
+        return "\n".join([head, *rows, residuals, *correlated, *(f"  warning: {words}" for words in self.warnings)])
 
     def _unit(self, name: str) -> str:
         return self.units[name] if self.units[name] != "1" else ""
@@ -70,7 +71,7 @@ class Fit:
         return sum(len(curve.measured) for curve in self.curves)
 
     def plot(self, file: str | Path | None = None) -> Any:
-        """A matplotlib Figure of data, fit and what is left, a column for each test; written where `file` says (.png, .svg, .pdf)."""
+        """A matplotlib Figure of data, fit and residuals, a column for each test; written where `file` says (.png, .svg, .pdf)."""
         words = (f"{name} = {_with_error(value, self.errors[name])} {self._unit(name)}".rstrip() for name, value in self.values.items())
         return draw("\n".join(words), self.curves, file)
 
@@ -100,7 +101,7 @@ class Fit:
     def _as_csv(self) -> str:
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["test", self.curves[0].against, "measured", "fitted", "left"])
+        writer.writerow(["test", self.curves[0].against, "measured", "fitted", "residual"])
         for n, curve in enumerate(self.curves, 1):
             for at, measured, fitted in zip(curve.at, curve.measured, curve.fitted, strict=True):
                 writer.writerow([n, *(f"{each:.17g}" for each in (at, measured, fitted, measured - fitted))])

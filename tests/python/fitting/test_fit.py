@@ -161,7 +161,7 @@ def test_one_component_makes_all_runs(curve, monkeypatch):
     begin = Opened.__init__
     monkeypatch.setattr(Opened, "__init__", lambda self, plan: (opened.append(plan), begin(self, plan))[1])
     told = []
-    found = fit(SCENE, noisy(curve, 1), FORCE, TRUTH.keys(), inputs=COURSE, progress=lambda runs, left: told.append((runs, left)))
+    found = fit(SCENE, noisy(curve, 1), FORCE, TRUTH.keys(), inputs=COURSE, progress=lambda runs, residual: told.append((runs, residual)))
     assert len({id(plan.source) for plan in opened}) == 1 and found.runs == told[-1][0] > 10
     assert told[-1][1] < told[0][1] / 10
 
@@ -171,11 +171,12 @@ def test_workers_of_an_executor_find_the_same(curve):
     here = fit(SCENE, noisy(curve, 1), FORCE, TRUTH.keys(), inputs=COURSE)
     with ThreadPoolExecutor(2) as executor:
         there = fit(SCENE, noisy(curve, 1), FORCE, TRUTH.keys(), inputs=COURSE, executor=executor)
-    assert there.values == here.values and there.errors == here.errors
+    in_processes = fit(SCENE, noisy(curve, 1), FORCE, TRUTH.keys(), inputs=COURSE, jobs=2)
+    assert there.values == here.values == in_processes.values and there.errors == here.errors
 
 
 def test_an_interrupt_tells_the_best_so_far(curve):
-    def stop(runs: int, _left: float) -> None:
+    def stop(runs: int, _residual: float) -> None:
         if runs > 8:
             raise KeyboardInterrupt
 
@@ -269,7 +270,7 @@ def test_the_command_keeps_numbers_data_and_picture(curve, tmp_path, monkeypatch
     assert said.startswith(f"Fit of 2 parameters to {FORCE}, ") and "kept in softffd-fit-pressed: fit.json, fit.csv, fit.png" in said
     kept = json.loads((tmp_path / "softffd-fit-pressed" / "fit.json").read_text())
     assert kept["parameters"]["stiffness.edge"]["unit"] == "N/m" and kept["parameters"]["stiffness.edge"]["start"] == 1200
-    assert (tmp_path / "softffd-fit-pressed" / "fit.csv").read_text().startswith("test,time,measured,fitted,left\n1,")
+    assert (tmp_path / "softffd-fit-pressed" / "fit.csv").read_text().startswith("test,time,measured,fitted,residual\n1,")
     assert (tmp_path / "softffd-fit-pressed" / "fit.png").read_bytes().startswith(b"\x89PNG")
     assert main(words) == 1 and "there already" in capsys.readouterr().err
     assert main([*words, "--vary", "damping=a"]) == 1 and "wanted NAME or NAME=START" in capsys.readouterr().err
