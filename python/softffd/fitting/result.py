@@ -32,11 +32,13 @@ class Fit:
     deviation: float
     """Standard deviation of the residuals, in the unit of what is matched"""
     warnings: tuple[str, ...]
+    """What a user should know before the numbers are used"""
     curves: tuple[Curve, ...]
     """Of each test"""
     units: dict[str, str]
     """Of the parameters, by name"""
     starts: dict[str, float]
+    """Where the parameters began"""
     runs: int
     """How many were made"""
     noise: float

@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import weakref
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import chdir
 from ctypes import POINTER, byref, c_char, c_double, c_int, c_size_t, c_uint, c_void_p, cast, create_string_buffer
 from functools import cached_property
 from pathlib import Path
@@ -18,7 +19,7 @@ import numpy as np
 
 from softffd.errors import FmuError, UnknownName
 from softffd.fmu.absent import hint_for
-from softffd.fmu.archive import platforms, unpack
+from softffd.fmu.archive import of_another_machine, platforms, unpack
 from softffd.fmu.block import KINDS, Block, number_of
 from softffd.fmu.interface import ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
@@ -91,12 +92,14 @@ class Component:
 
         self._callbacks = self._make_callbacks()
         try:
-            slave = FMU2Slave(
-                guid=self.interface.guid, unzipDirectory=self._folder, modelIdentifier=self.interface.identifier,
-                instanceName=self.interface.name, libraryPath=library,
-            )  # fmt: skip
+            with chdir(Path.cwd()):  # which fmpy leaves, and returns to where it could load the library only
+                slave = FMU2Slave(
+                    guid=self.interface.guid, unzipDirectory=self._folder, modelIdentifier=self.interface.identifier,
+                    instanceName=self.interface.name, libraryPath=library,
+                )  # fmt: skip
         except Exception as error:
-            raise FmuError(f"{self._name}: cannot be opened as an FMU: {error}") from error
+            why = of_another_machine(Path(self._folder), self.interface.identifier) or error
+            raise FmuError(f"{self._name}: cannot be opened as an FMU: {why}") from error
         try:
             slave.instantiate(callbacks=self._callbacks, loggingOn=True)
         except Exception as error:

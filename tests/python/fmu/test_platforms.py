@@ -1,10 +1,11 @@
 """Where an FMU has its libraries, and where a run finds them, on x86-64 and on ARM."""
 
+from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
 
-from softffd import Simulation, installed, load_scene, package_fmu
+from softffd import FmuError, Simulation, installed, load_scene, package_fmu
 from softffd.cli.command import main
 from softffd.fmu import archive, component
 
@@ -62,3 +63,21 @@ def test_a_run_on_arm_takes_the_library_of_arm(libraries, tmp_path, monkeypatch,
     with Simulation(file) as simulation:
         simulation.step(0.01)
         assert "aarch64-linux" in simulation.component._library._name and simulation.time == 0.01
+
+
+@pytest.mark.skipif(not installed.host_library().read_bytes().startswith(b"\x7fELF\x02\x01\x01"), reason="wants a Linux library")
+def test_a_library_of_another_processor_is_called_that(tmp_path):
+    """The system says of it that there is no such file."""
+    here = Path.cwd()
+    file, processor = tmp_path / "other.fmu", slice(18, 20)
+    with ZipFile(package_fmu("press", tmp_path / "press.fmu")) as own, ZipFile(file, "w") as changed:
+        for name in own.namelist():
+            content = bytearray(own.read(name))
+            if name.startswith("binaries/"):
+                content[processor] = b"\xb7\0" if content[processor] == b"\x3e\0" else b"\x3e\0"
+            changed.writestr(name, bytes(content))
+    with pytest.raises(
+        FmuError, match=r"cannot be opened as an FMU: its library binaries/\S+/softffd\.so is for \w+-linux, this machine is \w+"
+    ):
+        Simulation(file)
+    assert Path.cwd() == here
