@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import time as clock
 from pathlib import Path
 
@@ -41,6 +42,8 @@ def run_fit(options: argparse.Namespace, start_values: dict[str, str]) -> None:
         files = found.save(folder)
     print(found)
     print(f"  kept in {folder}: {', '.join(file.name for file in files)}")
+    given = [f"{name}={value:.6g}" for name, value in found.values.items()]
+    print(f"  a run with these values: softffd run {shlex.quote(options.scenes[0])} {' '.join(f'--set {each}' for each in given)}")
 
 
 def _varied(text: str) -> tuple[str, float | None]:

@@ -19,7 +19,7 @@ from softffd.names import is_step_mean, structured
 from softffd.run.inputs import Inputs, Source
 from softffd.run.simulation import run_source
 from softffd.run.sweep_plan import COURSE, Index, Plan, Reading, plan_of
-from softffd.spelling import did_you_mean
+from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
@@ -152,7 +152,7 @@ def _stop_time(columns: Columns, given: float | None, step: float | None) -> flo
 def _course(inputs: Source | None, against: str, plan: Points) -> np.ndarray:
     source = Inputs(inputs)
     if against not in source.names:
-        nearest = did_you_mean(next(iter(source.names), None))
+        nearest = did_you_mean(nearest_of(against, source.names))
         raise FmuError(f"against: {against}: wanted an input that goes over time, or an output; nothing drives this one{nearest}")
     place = source.names.index(against)
     return np.array([source.values(time, time)[place] for time in plan.times])
