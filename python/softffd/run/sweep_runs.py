@@ -60,12 +60,10 @@ def runner(jobs: int, executor: Executor | None) -> Iterator[Make]:
 class Opened:
     """A component that is opened for the first run of its plan and kept; after a failure it is opened anew."""
 
-    def __init__(self, plan: Plan):
-        self.source = plan.source
-        self._simulation: Simulation | None = None
+    _simulation: Simulation | None = None
 
     def run(self, plan: Plan, index: Index) -> Readings:
-        """The readings of a run, whose bits are those of `simulate`. plan: of the same source, times and inputs."""
+        """The readings of a run, whose bits are those of `simulate`. plan: the same one each time, but for its values."""
         try:
             if self._simulation is None:
                 self._simulation = Simulation(plan.source)
@@ -86,15 +84,15 @@ class Opened:
 
 
 def _here(opened: dict[int, Opened], plan: Plan, indices: Sequence[Index]) -> Generator[tuple[Index, Readings]]:
-    """opened: by the identity of their sources."""
-    one = opened.setdefault(id(plan.source), Opened(plan))
+    """opened: by the identity of their plans' times, which plans that differ in values alone share."""
+    one = opened.setdefault(id(plan.times), Opened())
     for index in indices:
         yield index, one.run(plan, index)
 
 
 def run_list(plan: Plan, runs: Sequence[Index]) -> list[Readings]:
     """The results of some runs, in a process of this machine."""
-    opened = Opened(plan)
+    opened = Opened()
     try:
         return [opened.run(plan, index) for index in runs]
     finally:

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from scenes import box, table_and_press
-from softffd import FmuError, SoftffdError, fit, load_scene, package_fmu, simulate
+from softffd import FmuError, Simulation, SoftffdError, fit, load_scene, package_fmu, simulate
 from softffd.cli.command import main
-from softffd.run.sweep_runs import Opened
 
 FORCE, WAY = "plane.press.reaction.z", "plane.press.point.z"
 COURSE = np.array([(0.0, 1.0), (0.15, 0.85), (0.3, 1.0)], dtype=[("time", float), (WAY, float)])
@@ -125,6 +124,14 @@ def test_tests_share_their_parameters_and_noise_weighs_them(curve):
     assert len(found.curves) == 2 and found.rows == 120 and found.deviation == pytest.approx(3.0, rel=0.3)
 
 
+def test_two_tests_of_one_file_are_two_runs(curve, tmp_path):
+    file = package_fmu(SCENE, tmp_path / "pressed.fmu").absolute()
+    short = {name: column[:30] for name, column in noisy(curve, 5).items()}
+    found = fit([file, file], [short, noisy(curve, 6)], FORCE, TRUTH.keys(), inputs=COURSE)
+    within(found)
+    assert [len(each.measured) for each in found.curves] == [30, 60]
+
+
 def test_what_a_curve_cannot_tell_is_named():
     table = "plane.table.reaction.z"
     result = simulate(SCENE, inputs={}, start_values={"mass": 2.0})
@@ -157,12 +164,12 @@ def test_what_follows_itself_is_no_noise(curve):
 
 
 def test_one_component_makes_all_runs(curve, monkeypatch):
-    opened = []
-    begin = Opened.__init__
-    monkeypatch.setattr(Opened, "__init__", lambda self, plan: (opened.append(plan), begin(self, plan))[1])
+    opened, begin = [], Simulation.__init__
+    monkeypatch.setattr(Simulation, "__init__", lambda self, *args, **keys: (opened.append(args), begin(self, *args, **keys))[1])
     told = []
     found = fit(SCENE, noisy(curve, 1), FORCE, TRUTH.keys(), inputs=COURSE, progress=lambda runs, residual: told.append((runs, residual)))
-    assert len({id(plan.source) for plan in opened}) == 1 and found.runs == told[-1][0] > 10
+    assert len(opened) == 2  # one looks at the question before
+    assert found.runs == told[-1][0] > 10
     assert told[-1][1] < told[0][1] / 10
 
 
