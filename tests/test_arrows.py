@@ -19,7 +19,7 @@ MADE = ("variable_table.hpp", "fmi2FunctionTypes.h", "fmi2Functions.h", "fmi2Typ
 """Belong to no room; the core has no way to them on its include path, nor to the rooms of fmi."""
 
 PYTHON_ROOMS = [
-    *("validation", "cli", "accuracy", "export", "show", "drivers", "bridges", "run", "fmu", "scene", "embedding", "mesh"),
+    *("validation", "cli", "accuracy", "fitting", "export", "show", "drivers", "bridges", "run", "fmu", "scene", "embedding", "mesh"),
     *("names", "lattice", "obstacles", "rotation", "files", "installed", "spelling", "errors"),
 ]
 """The shipped scenes are data, and the package's own __init__ knows everybody."""

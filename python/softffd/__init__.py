@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from softffd.embedding.deform import deform
     from softffd.errors import FmuError, MeshError, SceneError, SoftffdError
+    from softffd.fitting.fit import fit
+    from softffd.fitting.result import Fit
     from softffd.fmu.package import package_fmu
     from softffd.fmu.ssp import write_ssp
     from softffd.mesh.files import load_mesh, save_mesh
@@ -19,13 +21,15 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 __all__ = [
-    "FmuError", "MeshError", "Result", "Scene", "SceneError", "Simulation", "SoftffdError", "Sweep", "deform", "load_mesh", "load_scene",
-    "package_fmu", "replay", "save_mesh", "simulate", "sweep", "write_ssp",
+    "Fit", "FmuError", "MeshError", "Result", "Scene", "SceneError", "Simulation", "SoftffdError", "Sweep", "deform", "fit", "load_mesh",
+    "load_scene", "package_fmu", "replay", "save_mesh", "simulate", "sweep", "write_ssp",
 ]  # fmt: skip
 
 HOMES = {
     "embedding.deform": ["deform"],
     "errors": ["FmuError", "MeshError", "SceneError", "SoftffdError"],
+    "fitting.fit": ["fit"],
+    "fitting.result": ["Fit"],
     "fmu.package": ["package_fmu"],
     "fmu.ssp": ["write_ssp"],
     "mesh.files": ["load_mesh", "save_mesh"],

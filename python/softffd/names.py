@@ -224,6 +224,18 @@ def unit_of(name: str) -> str:
     return str(_row(found.family).get("unit", "")) if found else ""
 
 
+def range_of(name: str) -> tuple[float | None, float | None]:
+    """Least and greatest value of a variable, as far as the table has numbers for them; the least may be excluded."""
+    row = _row(found.family) if (found := parse_name(name)) else {}
+    return row.get("min", row.get("above")), most if isinstance(most := row.get("max"), float) else None
+
+
+def is_step_mean(name: str) -> bool:
+    """Is this the mean of the communication step that ends at its time?"""
+    found = parse_name(name)
+    return found is not None and bool(_row(found.family).get("mean"))
+
+
 def listed(names: Iterable[str]) -> str:
     """Names in a line, for what is to be read at a glance: vectors once, the first six and how many more."""
     return few(list(dict.fromkeys(map(stem, names)))) or "none"

@@ -38,7 +38,7 @@ class Manners:
 # FMI 2.0, section 2.3: terminalsAndIcons.xml and buildDescription.xml are optional; it notes their absence.
 VDM_NOTICES = (
     r"FMU has no (terminalsAndIcons/terminalsAndIcons|sources/buildDescription)\.xml"
-    r"|Checking modelDescription\.xml"
+    r"|Checking (modelDescription|terminalsAndIcons/terminalsAndIcons)\.xml"
     r"|NOTE: Picked up JDK_JAVA_OPTIONS: .*"
 )
 CHECKERS = {

@@ -9,8 +9,8 @@ import pytest
 import softffd
 
 PUBLIC = [
-    *("FmuError", "MeshError", "Result", "Scene", "SceneError", "Simulation", "SoftffdError", "Sweep"),
-    *("deform", "load_mesh", "load_scene", "package_fmu", "replay", "save_mesh", "simulate", "sweep", "write_ssp"),
+    *("Fit", "FmuError", "MeshError", "Result", "Scene", "SceneError", "Simulation", "SoftffdError", "Sweep"),
+    *("deform", "fit", "load_mesh", "load_scene", "package_fmu", "replay", "save_mesh", "simulate", "sweep", "write_ssp"),
 ]
 
 

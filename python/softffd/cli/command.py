@@ -80,7 +80,7 @@ def _demo(options: argparse.Namespace) -> None:
 
 def _build(options: argparse.Namespace) -> None:
     from softffd.fmu.notes import body_notes
-    from softffd.fmu.package import package_fmu, scene_masses, scene_samples
+    from softffd.fmu.package import package_fmu, platform_notes, scene_masses, scene_samples
     from softffd.fmu.variables import size_warning, variables
     from softffd.installed import least_glibc, libraries
     from softffd.scene.scene import load_scene
@@ -89,8 +89,14 @@ def _build(options: argparse.Namespace) -> None:
     asked = f"{scene.name}.fmu" if options.output is None else options.output
     if not options.overwrite:
         require_new([Path(asked)], "another name by -o X.fmu")
-    with ProgressLine("packaging"):
-        path = package_fmu(scene, asked, platforms=options.platform, fmi=options.fmi)
+    with ProgressLine("packaging") as progress:
+        extra = None
+        if options.reference:
+            from softffd.run.reference import reference_files
+
+            progress.stage("simulating")
+            extra = reference_files(scene, progress=progress)
+        path = package_fmu(scene, asked, platforms=options.platform, fmi=options.fmi, extra=extra)
     masses = scene_masses(scene)
     print(f"{path}: {scene.title}")
     listed = variables(scene, masses.mass)
@@ -98,7 +104,7 @@ def _build(options: argparse.Namespace) -> None:
     print(f"  {count} variables, {path.stat().st_size / 1024:.0f} kB, mass {masses.mass.sum():.6g} kg")
     needs = {name: least_glibc(library) for name, library in libraries(options.platform).items()}
     print("  runs on " + ", ".join(f"{name} with glibc {glibc} or newer" if glibc else name for name, glibc in needs.items()))
-    for note in body_notes(scene, masses, scene_samples(scene)):
+    for note in [*platform_notes(needs, options.fmi), *body_notes(scene, masses, scene_samples(scene))]:
         print(f"  {note}")
     if warning := size_warning(scene, count):
         print(f"  warning: {warning}")
@@ -148,6 +154,12 @@ def _sweep(options: argparse.Namespace) -> None:
     from softffd.cli.sweep import run_sweep
 
     run_sweep(options, dict(setting(text) for text in options.settings))
+
+
+def _fit(options: argparse.Namespace) -> None:
+    from softffd.cli.fit import run_fit
+
+    run_fit(options, dict(setting(text) for text in options.settings))
 
 
 def _ssp(options: argparse.Namespace) -> None:
@@ -278,7 +290,7 @@ def _schema(_options: argparse.Namespace) -> None:
 
 
 COMMANDS: dict[str, Callable[[argparse.Namespace], None]] = {
-    "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _sweep, "accuracy": _accuracy,
+    "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _sweep, "fit": _fit, "accuracy": _accuracy,
     "drivers": _drivers, "scenes": _scenes, "view": _view, "live": _live, "export": _export, "info": _info, "new": _new,
     "schema": _schema,
 }  # fmt: skip

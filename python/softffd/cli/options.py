@@ -75,7 +75,7 @@ def parser() -> Parser:
         command.set_defaults(parser=command)
         return command
 
-    for add_commands in (_demo_and_build, _run, _ssp, _sweep, _accuracy, _others):
+    for add_commands in (_demo_and_build, _run, _ssp, _sweep, _fit, _accuracy, _others):
         add_commands(add)
     return whole
 
@@ -96,6 +96,8 @@ def _demo_and_build(add: Add) -> None:
     platforms = "FMI platform whose library the FMU carries, such as linux64; may be repeated; default: all that are installed."
     build.add_argument("--platform", action="append", metavar="NAME", help=platforms)
     versions = "Version of the FMI standard: 2 (default), or 3, in which variables are arrays."
+    reference = "Run the scene twice, and put inputs, results and their error into the FMU (FMI-LS-REF)."
+    build.add_argument("--reference", action="store_true", help=reference)
     build.add_argument("--fmi", type=int, choices=(2, 3), default=2, help=versions)
 
 
@@ -150,11 +152,32 @@ def _sweep(add: Add) -> None:
     measure = "Output at the end of each run, or max(NAME), min(NAME), mean(NAME) over it; may be repeated."
     sweep.add_argument("--measure", action="append", metavar="OUTPUT", help=measure)
     _add_run_options(sweep)
-    where = sweep.add_mutually_exclusive_group()
-    where.add_argument("-j", "--jobs", type=int, metavar="J", help="Number of runs at a time; default: the number of processor cores.")
-    where.add_argument("--scheduler", metavar="ADDRESS", help="Address of the Dask cluster that does the runs, such as tcp://host:8786.")
+    _add_workers(sweep)
     folder = "Folder for the results; default: softffd-sweep-NAME; the same sweep there is continued."
     sweep.add_argument("-o", "--output", type=Path, metavar="DIR", help=folder)
+
+
+def _fit(add: Add) -> None:
+    example = "softffd fit press --data measured.csv --match plane.press.reaction.z --vary stiffness.edge --vary damping=0.5"
+    fit = add("fit", "Fit parameters of a scene or an FMU to a measured curve; keep them with their standard errors.", example)
+    fit.add_argument("scenes", nargs="+", metavar="SCENE|X.fmu", help=f"{SCENE_OR_FMU} Several: one for each --data.")
+    repeated: dict[str, Any] = {"action": "append", "required": True}
+    data = "CSV file of measured columns by the variables' names and in their units; inputs among them are played in; may be repeated."
+    fit.add_argument("--data", **repeated, metavar="FILE.csv", help=data)
+    fit.add_argument("--match", required=True, metavar="OUTPUT", help="Output that was measured, and its column.")
+    vary = "Parameter to fit, and its start in its unit; default: the start of the FMU; may be repeated."
+    fit.add_argument("--vary", **repeated, metavar="NAME[=START]", help=vary)
+    against = "Input or output in the place of time, such as a displacement, and its column."
+    fit.add_argument("--against", metavar="NAME", help=against)
+    recorded = "The data are outputs of a run, as result.csv: reactions are means of the steps that end at their times."
+    fit.add_argument("--recorded", action="store_true", help=recorded)
+    noise = "Standard deviation of each --data in the unit of the output; only their ratios count; default: all alike."
+    fit.add_argument("--noise", type=_number, action="append", metavar="D", help=noise)
+    _add_run_options(fit)
+    _add_workers(fit)
+    folder = "Folder for the results; default: softffd-fit-NAME."
+    fit.add_argument("-o", "--output", type=Path, metavar="DIR", help=folder)
+    _add_overwrite(fit, "the results of an earlier fit")
 
 
 def _accuracy(add: Add) -> None:
@@ -223,6 +246,12 @@ def _add_run_options(parser: Parser) -> None:
     driven = parser.add_mutually_exclusive_group()
     driven.add_argument("--input", type=Path, metavar="FILE.csv", help=table)
     driven.add_argument("--no-input", action="store_true", help="Ignore the CSV file beside the scene: inputs keep their start values.")
+
+
+def _add_workers(parser: Parser) -> None:
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("-j", "--jobs", type=int, metavar="J", help="Number of runs at a time; default: the number of processor cores.")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="Address of the Dask cluster that does the runs, such as tcp://host:8786.")
 
 
 def _add_overwrite(parser: Parser, what: str) -> None:

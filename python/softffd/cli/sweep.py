@@ -35,7 +35,7 @@ def run_sweep(options: argparse.Namespace, start_values: dict[str, str]) -> None
     require_writable(folder)
     jobs = None if options.scheduler else os.cpu_count() if options.jobs is None else options.jobs
     began = clock.monotonic()
-    with _executor(options.scheduler) as executor, ProgressLine("sweeping") as line:
+    with executor_at(options.scheduler) as executor, ProgressLine("sweeping") as line:
 
         def progress(done: int, total: int) -> None:
             line.note(f"{done} of {total} runs, {clock.monotonic() - began:.0f} s", at_once=done == total)
@@ -53,12 +53,12 @@ def run_sweep(options: argparse.Namespace, start_values: dict[str, str]) -> None
 
 
 @contextmanager
-def _executor(scheduler: str | None) -> Iterator[Executor | None]:
+def executor_at(scheduler: str | None) -> Iterator[Executor | None]:
     """Of the Dask cluster at an address; none without one."""
     if scheduler is None:
         yield None
         return
-    distributed = package("distributed", "softffd sweep --scheduler", "clusters")
+    distributed = package("distributed", "--scheduler", "clusters")
     try:
         client = distributed.Client(scheduler, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError) as error:  # nobody is there; no address

@@ -15,6 +15,7 @@ from softffd.installed import host_library, loaded_library
 LARGEST, MOST_TIMES = 1e9, 100  # so many bytes any FMU may unpack to, a larger one so many times its own size
 NEW_YEAR_2020 = (2020, 1, 1, 0, 0, 0)
 UNIX, MODE = 3, 0o644 << 16
+ELF = {0x3E: "x86_64", 0xB7: "aarch64"}  # processors by their numbers in ELF files
 
 
 def write_archive(path: Path, entries: Mapping[str, bytes]) -> None:
@@ -29,8 +30,9 @@ def write_archive(path: Path, entries: Mapping[str, bytes]) -> None:
 
 
 def unpack(path: Path, folder: str) -> str | None:
-    """Unpacks what a run reads: no documentation, no libraries of other platforms. Returns the path of the installed library where the FMU
-    has the same one, which is not unpacked then: that and loading it again would take longer than a thousand communication steps."""
+    """Unpacks what a run reads: no documentation, no terminals, no libraries of other platforms. Returns the path of the installed library
+    where the FMU has the same one, which is not unpacked then: that and loading it again would take longer than a thousand communication
+    steps."""
     import fmpy
 
     with ZipFile(path) as archive:
@@ -54,7 +56,7 @@ def require_no_bomb(archive: ZipFile, packed: int) -> None:
 
 def _is_read(name: str) -> bool:
     room, _, rest = name.partition("/")
-    return room not in ("documentation", "sources") and (room != "binaries" or rest.partition("/")[0] in platforms())
+    return room not in ("documentation", "sources", "terminalsAndIcons") and (room != "binaries" or rest.partition("/")[0] in platforms())
 
 
 def _is_installed(entry: ZipInfo) -> bool:
@@ -62,6 +64,18 @@ def _is_installed(entry: ZipInfo) -> bool:
     room, _, rest = entry.filename.partition("/")
     platform, _, name = rest.partition("/")
     return room == "binaries" and platform in platforms() and (name, entry.CRC, entry.file_size) == _installed()
+
+
+def of_another_machine(folder: Path, identifier: str) -> str | None:
+    """What to say where an unpacked FMU has a Linux library of another processor, of which the system says that it is not there."""
+    own = platforms()[1]
+    for file in folder.glob(f"binaries/*/{identifier}.so"):
+        with file.open("rb") as stream:
+            head = stream.read(20)
+        processor = ELF.get(int.from_bytes(head[18:20], "little")) if head.startswith(b"\x7fELF") else None
+        if processor and not own.startswith(processor):
+            return f"its library {file.relative_to(folder).as_posix()} is for {processor}-linux, this machine is {own}"
+    return None
 
 
 def platforms() -> tuple[str, str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import weakref
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import chdir
 from ctypes import POINTER, byref, c_char, c_double, c_int, c_size_t, c_uint, c_void_p, cast, create_string_buffer
 from functools import cached_property
 from pathlib import Path
@@ -18,9 +19,9 @@ import numpy as np
 
 from softffd.errors import FmuError, UnknownName
 from softffd.fmu.absent import hint_for
-from softffd.fmu.archive import platforms, unpack
+from softffd.fmu.archive import of_another_machine, platforms, unpack
 from softffd.fmu.block import KINDS, Block, number_of
-from softffd.fmu.interface import IDENTIFIER, ScalarVariable, read_interface
+from softffd.fmu.interface import ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
 from softffd.fmu.records import PinRecord, read_lattice, read_obstacles, read_pins
 from softffd.installed import loaded_library
@@ -91,12 +92,14 @@ class Component:
 
         self._callbacks = self._make_callbacks()
         try:
-            slave = FMU2Slave(
-                guid=self.interface.guid, unzipDirectory=self._folder, modelIdentifier=self.interface.identifier,
-                instanceName=self.interface.name, libraryPath=library,
-            )  # fmt: skip
+            with chdir(Path.cwd()):  # which fmpy leaves, and returns to where it could load the library only
+                slave = FMU2Slave(
+                    guid=self.interface.guid, unzipDirectory=self._folder, modelIdentifier=self.interface.identifier,
+                    instanceName=self.interface.name, libraryPath=library,
+                )  # fmt: skip
         except Exception as error:
-            raise FmuError(f"{self._name}: cannot be opened as an FMU: {error}") from error
+            why = of_another_machine(Path(self._folder), self.interface.identifier) or error
+            raise FmuError(f"{self._name}: cannot be opened as an FMU: {why}") from error
         try:
             slave.instantiate(callbacks=self._callbacks, loggingOn=True)
         except Exception as error:
@@ -119,15 +122,19 @@ class Component:
             resources = Path(self._folder) / "resources"
             if description.fmiVersion.startswith("3.") and read_lattice(resources):
                 self.interface = read_interface(description, resources)
-                return library or str(next(Path(self._folder).glob(f"binaries/{platforms()[1]}/{IDENTIFIER}.*")))
+                return library or self._library_in_tuple()
             if description.coSimulation is None or description.fmiVersion != "2.0":
                 raise FmuError(f"{path}: wanted an FMI 2.0 co-simulation FMU, or one of this package for FMI 3.0")
             self.interface = read_interface(description, resources)
-            return library
+            return library or (None if platforms()[1].startswith("x86") else self._library_in_tuple())
         except FmuError:
             raise
         except Exception as error:
             raise FmuError(f"{path}: cannot be opened as an FMU: {error}") from error
+
+    def _library_in_tuple(self) -> str | None:
+        """The library where FMI 3.0 puts it, and FMI 2.0.4 where the machine is not an x86; None where there is none."""
+        return next(map(str, Path(self._folder).glob(f"binaries/{platforms()[1]}/{self.interface.identifier}.*")), None)
 
     def _write(self, scene: Scene) -> str:
         """Writes a scene's FMU unpacked and returns the path of the library, which stays where it is installed."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -18,11 +18,13 @@ from softffd.embedding.samples import Samples, surface_samples
 from softffd.errors import SoftffdError
 from softffd.fmu.archive import write_archive
 from softffd.fmu.interface import Interface, scene_interface
-from softffd.fmu.model_description import completed, model_description, model_description3
+from softffd.fmu.model_description import completed, model_description, model_description3, xml_text
 from softffd.fmu.notes import NAME as NOTES
 from softffd.fmu.notes import body_notes
 from softffd.fmu.records import NAME, scene_records, scene_text
 from softffd.fmu.sensed import scene_patches
+from softffd.fmu.terminals import PLACE as TERMINALS
+from softffd.fmu.terminals import terminals
 from softffd.fmu.variables import Variable, variables
 from softffd.installed import data_folder, libraries
 from softffd.lattice import cells_within, shared_by_corners, to_flat
@@ -33,6 +35,29 @@ if TYPE_CHECKING:
 
 PLATFORMS3 = {"linux64": "x86_64-linux", "win64": "x86_64-windows", "darwin64": "x86_64-darwin"}
 """What FMI 3.0 calls the platforms, where it has another word than FMI 2.0."""
+ARM, X86 = "aarch64-linux", "linux64"
+
+
+def binary_folders(platforms: Iterable[str], fmi: int) -> dict[str, str]:
+    """The folders of an FMU's `binaries`, each with the platform whose library it holds.
+
+    In FMI 2.0 linux64 is x86-64, and ARM has the name aarch64-linux of FMI 3.0 (FMI 2.0.4, section 2.3). But importers of FMI 2.0 look for
+    ARM's library in linux64 (docs/platforms.md), so that it is there too, unless the FMU has one for x86-64.
+    """
+    found = {name if fmi == 2 else PLATFORMS3.get(name, name): name for name in platforms}
+    return found | ({X86: ARM} if fmi == 2 and ARM in found and X86 not in found else {})
+
+
+def platform_notes(platforms: Collection[str], fmi: int) -> list[str]:
+    """What a user should know of where the importers look for libraries."""
+    if fmi != 2 or ARM not in platforms:
+        return []
+    if X86 in platforms:
+        return [
+            f"on ARM, importers that look in binaries/{X86} find the library of x86-64 there, which they cannot load: for FMPy, FMI "
+            f"Library, fmi4c, rust-fmi and fmusim on ARM, build with --platform {ARM} alone"
+        ]
+    return [f"binaries/{X86} has the library of ARM, where importers on ARM look for it: no machine with x86-64 can load this FMU"]
 
 
 _point_masses, _node_masses = lru_cache(maxsize=1)(point_masses), lru_cache(maxsize=1)(node_masses)
@@ -81,14 +106,16 @@ def _of_cells(scene: Scene, total: float) -> np.ndarray:
 
 
 def package_fmu(
-    scene: Scene | str | Path, path: str | Path, *, platforms: Iterable[str] | str | None = None, fmi: Literal[2, 3] = 2
-) -> Path:
+    scene: Scene | str | Path, path: str | Path, *, platforms: Iterable[str] | str | None = None, fmi: Literal[2, 3] = 2,
+    extra: Mapping[str, bytes] | None = None,
+) -> Path:  # fmt: skip
     """Writes the scene's FMU and returns its path; the same scene gives the same bytes.
 
     scene: a scene, the path of its file, or the name of a shipped one.
     path: a file name ending in .fmu; folders are made where absent.
     platforms: FMI platform names (linux64, ...) to carry; all that this installation has by default. SoftffdError if one is missing.
     fmi: 2 for FMI 2.0, 3 for FMI 3.0, whose variables are arrays.
+    extra: further files by their names in the FMU, such as those of softffd.run.reference.
     """
     from softffd.scene.scene import scene_of  # brings pydantic along, which those who have an FMU do without
 
@@ -97,15 +124,16 @@ def package_fmu(
     if fmi not in (2, 3):
         raise SoftffdError(f"fmi: wanted 2 or 3, got {fmi!r:.70}")
     found = libraries([platforms] if isinstance(platforms, str) else platforms)
-    texts, _, _ = scene_texts(scene, fmi)
-    folders = {name: name if fmi == 2 else PLATFORMS3.get(name, name) for name in found}
+    texts, listed, _ = scene_texts(scene, fmi)
+    if (document := terminals(listed, fmi, flat=scene.fmu.names == "flat")) is not None:
+        texts[TERMINALS] = xml_text(document).encode()
     icon = "model.png" if fmi == 2 else "terminalsAndIcons/icon.png"
     files = {
         **_files_below(data_folder() / "documentation", "documentation"),
         icon: data_folder() / "model.png",
-        **{f"binaries/{folders[name]}/{file.name}": file for name, file in found.items()},
+        **{f"binaries/{folder}/{found[name].name}": found[name] for folder, name in binary_folders(found, fmi).items()},
     }
-    write_archive(path, texts | {name: file.read_bytes() for name, file in files.items()})
+    write_archive(path, texts | {name: file.read_bytes() for name, file in files.items()} | dict(extra or {}))
     return path
 
 

@@ -1,45 +1,28 @@
-"""Runs a scene or an FMU for every combination of some values: in this process, in several, or on any executor of concurrent.futures,
-whose workers get the FMU as bytes. A component is opened once and reset between its runs."""
+"""Runs a scene or an FMU for every combination of some values."""
 
 from __future__ import annotations
 
-import math
 import multiprocessing
-import sys
-import tempfile
 import time as clock
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, Future, as_completed
-from contextlib import closing, contextmanager
-from dataclasses import replace
-from multiprocessing.context import SpawnContext, SpawnProcess
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Executor
+from contextlib import closing
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import softffd
-from softffd.errors import FmuError, SoftffdError
-from softffd.run.drive import Drive
+from softffd.errors import SoftffdError
 from softffd.run.inputs import Source
-from softffd.run.simulation import Simulation
-from softffd.run.sweep_plan import END, Index, Plan, plan_of
+from softffd.run.sweep_plan import Plan, plan_of
+from softffd.run.sweep_runs import runner
 from softffd.run.sweep_table import Sweep
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
-FOLD: dict[str, Callable[[np.ndarray], Any]] = {END: lambda column: column[-1], "max": np.max, "min": np.min, "mean": np.mean}
 KEEP_EVERY = 10.0
 """The file of a sweep is written so often [s]."""
-CHUNKS, TOGETHER = 64, 50
-"""Runs go to an executor in about so many chunks, of so many runs at most: an interrupt loses what is in them"""
-LOST = "the worker process ended, each time that it was tried"
-
-Readings = np.ndarray | str
-"""Of a run what was read (r,), or the words of what failed"""
 
 
 def sweep(
@@ -75,14 +58,7 @@ def sweep(
     A run that fails is NaN in the table, with its words. Raises FmuError where a name or a value cannot be used in any run, and
     SoftffdError where `file` holds another sweep.
     """
-    if jobs is not None and executor is not None:
-        raise SoftffdError("jobs: wanted without an executor, whose workers decide how many runs there are at a time")
-    if executor is not None and not hasattr(executor, "submit"):
-        raise SoftffdError(f"executor: wanted one of concurrent.futures, got {type(executor).__name__}")
-    if jobs is not None and jobs < 1:
-        raise SoftffdError(f"jobs: wanted at least 1, got {jobs}")
-    if (jobs or 1) > 1 and multiprocessing.current_process().daemon:
-        raise SoftffdError(f"jobs: a daemonic process, as those of multiprocessing.Pool are, starts no others; wanted jobs=1, got {jobs}")
+    require_workers(jobs, executor)
     settings = {key: value for key, value in (("tolerance", tolerance), ("method", method)) if value is not None}
     plan = plan_of(scene_or_fmu, vary, outputs, stop_time, step, start_values, inputs, settings)
     file = None if file is None else Path(file)
@@ -90,7 +66,8 @@ def sweep(
     missing = [index for index in np.ndindex(plan.shape) if not table.done[index]]
     kept = clock.monotonic()
     try:
-        with closing(_made(plan, missing, jobs or 1, executor)) as runs:  # an interrupt ends what is under way
+        processes = min(jobs or 1, max(2, len(missing)))
+        with runner(processes, executor) as make, closing(make(plan, missing)) as runs:  # an interrupt ends what is under way
             for count, (index, result) in enumerate(runs, table.done.size - len(missing) + 1):
                 table.note(index, result)
                 if file is not None and clock.monotonic() - kept > KEEP_EVERY:
@@ -124,168 +101,13 @@ def _begun(plan: Plan, file: Path | None) -> Sweep:
     return kept
 
 
-# ---- here ----
-
-
-def run_all(plan: Plan, indices: Sequence[Index]) -> Iterator[Readings]:
-    """The readings of some runs, whose bits are those of `simulate`. After a failure the component is opened anew."""
-    simulation: Simulation | None = None
-    try:
-        for index in indices:
-            result: Readings
-            try:
-                if simulation is None:
-                    simulation = Simulation(plan.source)
-                    drive = _drive(simulation, plan)
-                simulation.restart(start_values=plan.start(index), stop_time=plan.stop_time, **plan.settings)
-                drive.apply(0)
-                simulation.initialize()
-                result = _read(simulation, drive, plan)
-            except FmuError as error:
-                result = str(error)
-                if simulation:
-                    simulation.close()
-                simulation = None
-            yield result
-    finally:
-        if simulation:
-            simulation.close()
-
-
-def _drive(simulation: Simulation, plan: Plan) -> Drive:
-    variable = simulation.component.variable
-    read = dict.fromkeys(variable(reading.name) for reading in plan.readings)
-    drive = Drive(simulation, plan.times, plan.step, [variable(name) for name in plan.driven], list(read))
-    drive.input_rows[:-1] = plan.course
-    return drive
-
-
-def _read(simulation: Simulation, drive: Drive, plan: Plan) -> np.ndarray:
-    """The readings of a run from its first step on; FmuError with the time where it fails."""
-    try:
-        for _ in drive.run():
-            pass
-    except FmuError as error:
-        raise FmuError(f"at {simulation.time:g} s: {error}") from None
-    columns = drive.columns()
-    return np.array([FOLD[reading.fold](columns[reading.name]) for reading in plan.readings], dtype=float)
-
-
-# ---- elsewhere ----
-
-
-def _made(plan: Plan, indices: Sequence[Index], jobs: int, executor: Executor | None) -> Generator[tuple[Index, Readings]]:
-    """Each run of the grid with its readings, as they come; leaving the iteration early ends or takes back what is under way."""
-    if not indices:
-        return
-    if executor is not None:
-        fmu, sent = _bytes_of(plan), replace(plan, source=Path())
-        yield from _by_futures(lambda runs: executor.submit(run_elsewhere, sent, fmu, runs, softffd.__version__), indices, CHUNKS)
-    elif jobs == 1:
-        yield from zip(indices, run_all(plan, indices), strict=True)
-    else:
-        with _processes(min(jobs, len(indices))) as pool:
-            yield from _by_futures(lambda runs: pool.schedule(run_list, (plan, runs)), indices, 8 * jobs)
-
-
-def _by_futures(
-    submit: Callable[[Sequence[Index]], Future[list[Readings]]], indices: Sequence[Index], chunks: int
-) -> Iterator[tuple[Index, Readings]]:
-    """Runs whose worker ended are tried again, one at a time: what ends its worker then is a failed run. SoftffdError where workers have
-    another version or the executor takes nothing any more."""
-    together = min(TOGETHER, math.ceil(len(indices) / chunks))
-    given: dict[Future[list[Readings]], Sequence[Index]] = {}
-
-    def give(runs: Sequence[Index]) -> Future[list[Readings]]:
-        try:
-            future = submit(runs)
-        except RuntimeError as error:  # it is broken or shut down
-            raise SoftffdError(f"executor: takes no runs any more: {error}") from None
-        given[future] = runs
-        return future
-
-    try:
-        begun = [give(indices[n : n + together]) for n in range(0, len(indices), together)]
-        suspects: list[Index] = []
-        for future in as_completed(begun):
-            runs, results = given.pop(future), _results(future)
-            if results is None:
-                suspects += runs
-            else:
-                yield from zip(runs, results, strict=True)
-        for run in suspects:
-            yield run, (_results(give([run])) or [LOST])[0]
-    finally:
-        for future in given:
-            future.cancel()
-
-
-def run_list(plan: Plan, runs: Sequence[Index]) -> list[Readings]:
-    """The results of some runs, in a process of this machine."""
-    return list(run_all(plan, runs))
-
-
-def run_elsewhere(plan: Plan, fmu: bytes, runs: Sequence[Index], version: str) -> list[Readings]:
-    """The results of some runs, on a worker of an executor."""
-    if softffd.__version__ != version:
-        raise SoftffdError(f"executor: a worker has softffd {softffd.__version__}, wanted {version}")
-    with TemporaryDirectory(prefix="softffd-") as folder:
-        file = Path(folder) / "swept.fmu"
-        file.write_bytes(fmu)
-        return run_list(replace(plan, source=file), runs)
-
-
-def _results(future: Future[list[Readings]]) -> list[Readings] | None:
-    """Of some runs; none where their worker ended, by the name of the error's type: ProcessExpired of pebble, BrokenProcessPool,
-    TerminatedWorkerError of loky, KilledWorker of Dask."""
-    try:
-        return future.result()
-    except SoftffdError:
-        raise
-    except Exception as error:
-        if any(part in type(error).__name__ for part in ("Expired", "Broken", "Terminated", "Killed")):
-            return None
-        raise SoftffdError(f"executor: could not make the runs: {type(error).__name__}: {error}") from None
-
-
-def _bytes_of(plan: Plan) -> bytes:
-    if isinstance(plan.source, Path):
-        return plan.source.read_bytes()
-    from softffd.fmu.package import package_fmu
-
-    with TemporaryDirectory(prefix="softffd-") as folder:
-        return package_fmu(plan.source, Path(folder) / "swept.fmu").read_bytes()
-
-
-class _Process(SpawnProcess):
-    """A process that does not run the user's script again, which need not be made for that."""
-
-    def start(self) -> None:
-        script = sys.modules["__main__"]
-        sys.modules["__main__"] = ModuleType("__main__")
-        try:
-            super().start()
-        finally:
-            sys.modules["__main__"] = script
-
-
-class _Context(SpawnContext):
-    Process = _Process
-
-
-@contextmanager
-def _processes(count: int) -> Iterator[Any]:
-    """A pool of so many processes of this machine, which end with the block; their temporary files go then."""
-    from pebble import ProcessPool
-
-    with TemporaryDirectory(prefix="softffd-", ignore_cleanup_errors=True) as scratch:
-        pool = ProcessPool(count, initializer=_begin_process, initargs=(scratch,), context=_Context())
-        try:
-            yield pool
-        finally:
-            pool.stop()
-            pool.join()
-
-
-def _begin_process(scratch: str) -> None:
-    tempfile.tempdir = scratch
+def require_workers(jobs: int | None, executor: Executor | None) -> None:
+    """SoftffdError where there cannot be so many processes, or where the executor is none."""
+    if jobs is not None and executor is not None:
+        raise SoftffdError("jobs: wanted without an executor, whose workers decide how many runs there are at a time")
+    if executor is not None and not hasattr(executor, "submit"):
+        raise SoftffdError(f"executor: wanted one of concurrent.futures, got {type(executor).__name__}")
+    if jobs is not None and jobs < 1:
+        raise SoftffdError(f"jobs: wanted at least 1, got {jobs}")
+    if (jobs or 1) > 1 and multiprocessing.current_process().daemon:
+        raise SoftffdError(f"jobs: a daemonic process, as those of multiprocessing.Pool are, starts no others; wanted jobs=1, got {jobs}")

@@ -26,7 +26,7 @@ from softffd.spelling import wanted_one_of
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
-END, FOLDS = "end", ("max", "min", "mean")
+END, COURSE, FOLDS = "end", "course", ("max", "min", "mean")
 MOST_RUNS = 10_000_000
 SETTABLE = ("parameter", "input")
 
@@ -38,7 +38,7 @@ class Reading(NamedTuple):
     """What is read of a run: an output at its end, or folded over its communication points."""
 
     fold: str
-    """ "end", "max", "min" or "mean\""""
+    """ "end", "max", "min" or "mean"; of a fit "course", all its values"""
     name: str
 
     def __str__(self) -> str:

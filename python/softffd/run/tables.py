@@ -52,8 +52,9 @@ def table_of(frame: Any) -> np.ndarray:
     return structured_array({"time": time, **columns})
 
 
-def read_csv(path: Path) -> np.ndarray:
+def read_csv(path: Path, *, timed: bool = True) -> np.ndarray:
     """A structured array (rows,) from a CSV file: a header line of `time` and names of inputs, then rows of numbers, times not decreasing.
+    Not `timed`, names of any variables, with or without a time among them.
 
     Empty lines and lines that begin with # are passed over. FmuError says which line is wrong and why.
     """
@@ -63,8 +64,8 @@ def read_csv(path: Path) -> np.ndarray:
         raise FmuError(f"{path}: cannot be read: {error}") from None
     rows = [(f"{path}: line {n}", _words(path, n, line)) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if len(rows) < 2:
-        raise FmuError(f"{path}: wanted a header line (time, names of inputs) and at least one row of numbers")
-    names = _header(*rows[0])
+        raise FmuError(f"{path}: wanted a header line ({'time, names of inputs' if timed else 'names'}) and at least one row of numbers")
+    names = _header(*rows[0], timed)
     table = np.array([_numbers(where, names, words) for where, words in rows[1:]], dtype=[(name, float) for name in names])
     require_course(table, [where for where, _ in rows[1:]])
     return table
@@ -73,10 +74,11 @@ def read_csv(path: Path) -> np.ndarray:
 def require_course(table: np.ndarray, rows: list[str] | None = None) -> None:
     """FmuError where a column of a structured array has a number that is not finite, or the times decrease. rows: their names."""
     called = (lambda row: f"inputs: row {row}") if rows is None else rows.__getitem__
-    for name in table.dtype.names or ():
+    names = table.dtype.names or ()
+    for name in names:
         if len(wrong := np.flatnonzero(~np.isfinite(table[name]))):
             raise FmuError(f"{called(wrong[0])}, {name}: wanted a finite number, got {table[name][wrong[0]]}")
-    if len(wrong := np.flatnonzero(np.diff(table["time"].astype(float)) < 0)):
+    if "time" in names and len(wrong := np.flatnonzero(np.diff(table["time"].astype(float)) < 0)):
         before, after = table["time"][wrong[0] : wrong[0] + 2]
         raise FmuError(f"{called(wrong[0] + 1)}: the times must not decrease, got {after:g} after {before:g}")
 
@@ -88,15 +90,15 @@ def _words(path: Path, number: int, line: str) -> list[str]:
         raise FmuError(f"{path}: line {number}: is no line of a CSV file: {error}") from None
 
 
-def _header(where: str, names: list[str]) -> list[str]:
-    wanted = f"{where}: wanted a header of `time` and names of inputs, each once, separated by commas"
+def _header(where: str, names: list[str], timed: bool) -> list[str]:
+    wanted = f"{where}: wanted a header of {'`time` and names of inputs' if timed else 'names'}, each once, separated by commas"
     if len(names) == 1 and (separator := next((each for each in SEPARATORS if each in names[0]), None)):
         raise FmuError(f"{wanted}, got {SEPARATORS[separator]} between them")
-    if names[0] != "time":
+    if timed and names[0] != "time":
         hint = "; `time` must be the first" if "time" in names else did_you_mean(nearest_of(names[0], ["time"]))
         raise FmuError(f"{wanted}, got {names[0]!r} as the first name{hint}")
     if len(names) < 2:
-        raise FmuError(f"{wanted}, got no name of an input")
+        raise FmuError(f"{wanted}, got {'no name of an input' if timed else names[0]!r}{'' if timed else ' only'}")
     if "" in names:
         ends = ": the line ends with a comma" if names.index("") == len(names) - 1 else ""
         raise FmuError(f"{wanted}, got column {names.index('') + 1} without a name{ends}")

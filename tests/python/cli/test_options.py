@@ -43,7 +43,7 @@ def test_a_wrong_word_is_told_the_nearest(arguments, said, capsys):
     assert said in wrong(capsys, *arguments)
 
 
-WITHOUT_UNIT = {"tolerance": "as a fraction of"}
+WITHOUT_UNIT = {"tolerance": "as a fraction of", "noise": "in the unit of the output"}
 """Numbers that have no dimension, and what is said of them in the place of a unit"""
 
 

@@ -14,7 +14,7 @@ import softffd
 from scenes import box, table_and_press
 from softffd import FmuError, SoftffdError, Sweep, load_scene, simulate, sweep
 from softffd.cli.command import main
-from softffd.run import sweep as sweeping
+from softffd.run import sweep_runs as sweeping
 from softffd.run.drive import Drive
 
 SCENE = box(
@@ -270,7 +270,7 @@ def test_the_command_keeps_table_and_picture_and_goes_on(tmp_path, monkeypatch, 
     assert "3 runs, 0 failed" in said and f"max({FORCE}): " in said
     assert sorted(path.name for path in (tmp_path / "kept").iterdir()) == ["sweep.csv", "sweep.npz", "sweep.png"]
     assert Sweep.load("kept/sweep.npz").values["stiffness.edge"] == pytest.approx([400, 800, 1600])
-    monkeypatch.setattr(sweeping, "run_all", lambda plan, indices: pytest.fail("again") if indices else iter(()))
+    monkeypatch.setattr(sweeping.Opened, "run", lambda opened, plan, index: pytest.fail("again"))
     assert main(arguments) == 0
 
 

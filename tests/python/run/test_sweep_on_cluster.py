@@ -12,7 +12,7 @@ from scenes import box
 from softffd import SoftffdError, Sweep, sweep
 from softffd.cli import sweep as command
 from softffd.cli.command import main
-from softffd.run import sweep as sweeping
+from softffd.run import sweep_runs as sweeping
 
 distributed = pytest.importorskip("distributed")
 

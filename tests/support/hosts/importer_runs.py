@@ -180,6 +180,7 @@ This page says which importers of FMI 2.0 run the shipped scenes, and whether th
 
 - [How it was measured](#how-it-was-measured)
 - [Results](#results)
+- [ARM and terminals](#arm-and-terminals)
 - [Not run](#not-run)
 
 ## How it was measured
@@ -202,6 +203,13 @@ and compares it with this page.
 """
 
 
+UNSEEN = """## ARM and terminals
+
+Every run was on x86-64. Where importers look for ARM's library was read in their sources: [ARM](platforms.md#arm). The FMUs have
+[terminals](coupling.md#terminals); VDMCheck2 checks their file and finds nothing. What the importers make of it was not tried.
+"""
+
+
 def page() -> str:
     columns = [FMPY, *IMPORTERS]
     versions = [fmpy.__version__, *(importer.version for importer in IMPORTERS.values())]
@@ -216,7 +224,7 @@ def page() -> str:
     absent = "".join(f"- {name}: {why}.\n" for name, why in ABSENT.items())
     return (
         f"{HEAD}\n{table(heads, rows)}\n" + "\n".join([f"- {FMPY}: fmpy, PyPI; `simulate_fmu`.", *notes])
-        + f"\n\n{checkers}\n\n## Not run\n\n{absent}"
+        + f"\n\n{checkers}\n\n{UNSEEN}\n## Not run\n\n{absent}"
     )  # fmt: skip
 
 

@@ -1,0 +1,126 @@
+"""What a fit gives: parameters with standard errors and correlations, what the data cannot tell apart, the curves; and its files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from softffd.files import write_text
+from softffd.fitting.curve import Curve
+from softffd.fitting.picture import draw
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit:
+    """Parameters from measured curves. Printed, it is a table."""
+
+    values: dict[str, float]
+    """By the parameters' names"""
+    errors: dict[str, float]
+    """Standard errors, for independent noise of one size; infinite for parameters that the data do not show"""
+    correlations: np.ndarray
+    """(n, n) of the estimates; NaN where there is no standard error"""
+    undetermined: tuple[tuple[str, ...], ...]
+    """Parameters that cannot be told apart from these data, those of each such direction together; alone, one without effect"""
+    deviation: float
+    """Standard deviation of the residuals, in the unit of what is matched"""
+    warnings: tuple[str, ...]
+    """What a user should know before the numbers are used"""
+    curves: tuple[Curve, ...]
+    """Of each test"""
+    units: dict[str, str]
+    """Of the parameters, by name"""
+    starts: dict[str, float]
+    """Where the parameters began"""
+    runs: int
+    """How many were made"""
+    noise: float
+    """Of a run's curve, by its solver, in the unit of what is matched"""
+
+    def __repr__(self) -> str:
+        width = max(map(len, self.values))
+        rows = [
+            f"  {name:{width}}  {_with_error(value, self.errors[name])} {self._unit(name)}".rstrip() for name, value in self.values.items()
+        ]
+        names = list(self.values)
+        pairs = [
+            f"{names[i]} and {names[j]} {self.correlations[i, j]:.2f}"
+            for i in range(len(names))
+            for j in range(i)
+            if math.isfinite(self.correlations[i, j])
+        ]
+        curve = self.curves[0]
+        spread = f"{self.deviation:.3g} {curve.units[curve.match]}".rstrip()
+        residuals = f"  residuals of {curve.match}: standard deviation {spread} over {self.rows} rows"
+        tests = f" of {len(self.curves)} tests" if len(self.curves) > 1 else ""
+        head = f"Fit of {len(names)} parameter{'s' * (len(names) > 1)} to {curve.match}{tests}, {self.runs} runs; with standard errors:"
+        correlated = [f"  correlations: {', '.join(pairs)}"] if pairs else []
+        return "\n".join([head, *rows, residuals, *correlated, *(f"  warning: {words}" for words in self.warnings)])
+
+    def _unit(self, name: str) -> str:
+        return self.units[name] if self.units[name] != "1" else ""
+
+    @property
+    def rows(self) -> int:
+        """Of all data."""
+        return sum(len(curve.measured) for curve in self.curves)
+
+    def plot(self, file: str | Path | None = None) -> Any:
+        """A matplotlib Figure of data, fit and residuals, a column for each test; written where `file` says (.png, .svg, .pdf)."""
+        words = (f"{name} = {_with_error(value, self.errors[name])} {self._unit(name)}".rstrip() for name, value in self.values.items())
+        return draw("\n".join(words), self.curves, file)
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Writes fit.json (parameters), fit.csv (data and curves) and fit.png to a folder, each whole or not at all; returns the paths."""
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        files = [folder / name for name in FILES]
+        write_text(files[0], json.dumps(self._as_json(), indent=1, allow_nan=False) + "\n")
+        write_text(files[1], self._as_csv())
+        self.plot(files[2])
+        return files
+
+    def _as_json(self) -> dict[str, Any]:
+        """Numbers that are not finite are null."""
+        parameters = {
+            name: {"value": value, "standard_error": _or_none(self.errors[name]), "unit": self.units[name], "start": self.starts[name]}
+            for name, value in self.values.items()
+        }
+        correlations = [[_or_none(each) for each in row] for row in self.correlations.tolist()]
+        curve = self.curves[0]
+        return {
+            "parameters": parameters, "correlations": correlations, "undetermined": self.undetermined, "match": curve.match,
+            "unit": curve.units[curve.match], "deviation": self.deviation, "rows": self.rows, "runs": self.runs, "warnings": self.warnings,
+        }  # fmt: skip
+
+    def _as_csv(self) -> str:
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(["test", self.curves[0].against, "measured", "fitted", "residual"])
+        for n, curve in enumerate(self.curves, 1):
+            for at, measured, fitted in zip(curve.at, curve.measured, curve.fitted, strict=True):
+                writer.writerow([n, *(f"{each:.17g}" for each in (at, measured, fitted, measured - fitted))])
+        return text.getvalue()
+
+
+FILES = ("fit.json", "fit.csv", "fit.png")
+"""Of Fit.save"""
+
+
+def _with_error(value: float, error: float) -> str:
+    """Both with the digits that the error leaves."""
+    if not math.isfinite(error):
+        return f"{value:.4g} ± ?"
+    digits = 6 if error <= 0 or value == 0 else min(12, max(2, 2 + math.floor(math.log10(abs(value) / error)))) if abs(value) > error else 2
+    return f"{value:#.{digits}g} ± {error:.2g}"
+
+
+def _or_none(value: float) -> float | None:
+    return value if math.isfinite(value) else None

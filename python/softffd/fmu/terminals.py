@@ -1,0 +1,61 @@
+"""terminalsAndIcons.xml: the variables of each obstacle, pin, load and probe as one terminal, for tools that connect terminals as a whole.
+
+FMI 3.0 defines the file (section 2.4.9), and FMI 2.0.4 takes it over as it is, the version that it states included. What belongs to a
+part comes from the variables' names: `plane.press.reaction.z` is the member `reaction.z` of the terminal `plane.press`, and in FMI 3.0
+`reaction`, an array. So a new kind of part needs no line here.
+
+    matching rule   bus: members are matched by name, and some may be missing: a partner that has no angular velocity is connected too
+    kind of member  signal: what one puts out the other takes in. A reaction goes to a partner's force; it is no flow that sums up to zero
+    members         inputs and outputs; parameters, such as friction, are no part of a connection
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from xml.etree import ElementTree as Xml
+
+from softffd.fmu.variables import OF_POINTS, Variable
+from softffd.names import Part, flat_form, parse_name
+
+PLACE = "terminalsAndIcons/terminalsAndIcons.xml"
+"""In the FMU"""
+WHOLE = "value"
+"""Member of what has no name but its part's: in FMI 3.0 the three components of a load or a probe"""
+
+
+def terminals(variables: Sequence[Variable], fmi: int, *, flat: bool) -> Xml.Element | None:
+    """The document; None where no part has inputs or outputs. fmi: 2, whose variables are the elements, or 3. flat: the names' form."""
+    members: dict[Part, list[tuple[str, str]]] = {}
+    for variable in variables:
+        if variable.family["causality"] in ("input", "output") and variable.family["part"] not in OF_POINTS:
+            for name in _names(variable, fmi):
+                found = parse_name(name) or parse_name(f"{name}.x")
+                if found and isinstance(found.instance, Part):
+                    members.setdefault(found.instance, []).append((name, name.removeprefix(f"{found.instance}").lstrip(".") or WHOLE))
+    if not members:
+        return None
+    root = Xml.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+    listed = Xml.SubElement(root, "Terminals")
+    for part, pairs in members.items():
+        own = {
+            "name": _form(str(part), flat),
+            "matchingRule": "bus",
+            "terminalKind": f"_softffd_{part.kind}",
+            "description": f"{part.kind} {part.name}",
+        }
+        terminal = Xml.SubElement(listed, "Terminal", own)
+        for name, member in pairs:
+            names = {"variableName": _form(name, flat), "memberName": _form(member, flat), "variableKind": "signal"}
+            Xml.SubElement(terminal, "TerminalMemberVariable", names)
+    return root
+
+
+def _names(variable: Variable, fmi: int) -> Iterator[str]:
+    if fmi == 2:
+        yield from (name for name, _ in variable.elements())
+    else:
+        yield variable.name()
+
+
+def _form(name: str, flat: bool) -> str:
+    return flat_form(name) if flat else name
