@@ -1,4 +1,4 @@
-"""terminalsAndIcons.xml: the variables of each obstacle, pin, load and probe as one terminal, for tools that connect terminals as a whole.
+"""terminalsAndIcons.xml: the variables of each obstacle, pin, load, probe and sensor as one terminal, for tools that connect terminals as a whole.
 
 FMI 3.0 defines the file (section 2.4.9), and FMI 2.0.4 takes it over as it is, the version that it states included. What belongs to a
 part comes from the variables' names: `plane.press.reaction.z` is the member `reaction.z` of the terminal `plane.press`, and in FMI 3.0
@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from xml.etree import ElementTree as Xml
 
 from softffd.fmu.variables import OF_POINTS, Variable
-from softffd.names import Part, flat_form, parse_name
+from softffd.names import Cell, Part, flat_form, parse_name
 
 PLACE = "terminalsAndIcons/terminalsAndIcons.xml"
 """In the FMU"""
@@ -29,9 +29,8 @@ def terminals(variables: Sequence[Variable], fmi: int, *, flat: bool) -> Xml.Ele
     for variable in variables:
         if variable.family["causality"] in ("input", "output") and variable.family["part"] not in OF_POINTS:
             for name in _names(variable, fmi):
-                found = parse_name(name) or parse_name(f"{name}.x")
-                if found and isinstance(found.instance, Part):
-                    members.setdefault(found.instance, []).append((name, name.removeprefix(f"{found.instance}").lstrip(".") or WHOLE))
+                if part := _part_of(name):
+                    members.setdefault(part, []).append((name, name.removeprefix(f"{part}").lstrip(".") or WHOLE))
     if not members:
         return None
     root = Xml.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
@@ -55,6 +54,14 @@ def _names(variable: Variable, fmi: int) -> Iterator[str]:
         yield from (name for name, _ in variable.elements())
     else:
         yield variable.name()
+
+
+def _part_of(name: str) -> Part | None:
+    """That of a variable, or of an array by its name; a taxel belongs to its sensor."""
+    found = next((found for rest in ("", ".x", "[0,0].x") if (found := parse_name(name + rest))), None)
+    if found and isinstance(found.instance, Cell):
+        return Part("sensor", found.instance.name)
+    return found.instance if found and isinstance(found.instance, Part) else None
 
 
 def _form(name: str, flat: bool) -> str:

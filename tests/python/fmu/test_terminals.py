@@ -20,6 +20,7 @@ PARTS = {
     "pin": [{"name": "base", "points": "z-"}, {"name": "hand", "points": "z+", **LED}],
     "load": [{"name": "push", "points": "x+"}],
     "probe": [{"name": "nose", "at": [0.5, 0.5, 1.0]}],
+    "sensor": [{"name": "foot", "on": "z-", "taxels": [2, 1]}],
 }
 
 
@@ -49,7 +50,7 @@ def test_the_schema_finds_nothing_and_every_member_is_a_variable(fmi, names, tmp
     text, there = document(parts(tmp_path, names), tmp_path, fmi)
     etree.XMLSchema(etree.parse(SCHEMA)).assertValid(etree.fromstring(text))
     found = members(text)
-    assert len(found) == 7 and {name for each in found.values() for name in each.values()} <= there
+    assert len(found) == 8 and {name for each in found.values() for name in each.values()} <= there
     kinds = {member.get("variableKind") for member in Xml.fromstring(text).iter("TerminalMemberVariable")}
     assert kinds == {"signal"} and {each.get("matchingRule") for each in Xml.fromstring(text).iter("Terminal")} == {"bus"}
 
@@ -57,7 +58,7 @@ def test_the_schema_finds_nothing_and_every_member_is_a_variable(fmi, names, tmp
 def test_a_terminal_has_pose_velocity_and_wrench_of_its_part(tmp_path):
     text, _ = document(parts(tmp_path), tmp_path)
     found = members(text)
-    assert set(found) == {"load.push", "plane.press", "box.block", "pin.hand", "plane.table", "probe.nose", "pin.base"}
+    assert set(found) == {"load.push", "plane.press", "box.block", "pin.hand", "plane.table", "probe.nose", "pin.base", "sensor.foot"}
     words = ("point", "normal", "velocity", "angular_velocity", "reaction", "torque")
     assert {f"{word}.{c}" for word in words for c in "xyz"} <= set(found["plane.press"])
     assert found["plane.press"]["reaction.z"] == "plane.press.reaction.z" and "friction" not in found["plane.press"]
