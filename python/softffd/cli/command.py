@@ -217,10 +217,10 @@ def _new(options: argparse.Namespace) -> None:
 def _view(options: argparse.Namespace) -> None:
     import webbrowser
 
-    from softffd.cli.keep import page_of
+    from softffd.cli.view import page_to_view
 
-    with ProgressLine("writing view.html"):
-        page = page_of(options.what)
+    with ProgressLine("reading the runs") as progress:
+        page = page_to_view(options.what, options.output, overwrite=options.overwrite, together=options.ssp, stage=progress.stage)
     print(page)
     webbrowser.open(page.resolve().as_uri())
 

@@ -177,8 +177,13 @@ def _others(add: Add) -> None:
 
     add("scenes", "List the shipped scenes.", "softffd scenes")
 
-    view = add("view", "Open the interactive page of a run that was kept.", "softffd view softffd-press")
-    view.add_argument("what", type=Path, metavar="DIR|X.npz", help="Folder of softffd run, or file of Result.save.")
+    about = "Open the interactive page of a run that was kept, or of several with one clock."
+    view = add("view", about, "softffd view softffd-press softffd-press-2")
+    runs = "Folder of softffd run, or file of Result.save; or a system and the CSV file of the rows that a host recorded of it."
+    view.add_argument("what", type=Path, nargs="+", metavar="DIR|X.npz|X.ssp", help=runs)
+    view.add_argument("--ssp", action="store_true", help="Show the runs in one place, as components of a coupled run.")
+    view.add_argument("-o", "--output", type=Path, metavar="X.html", help="File to write of several; default: A-B.html in this folder.")
+    _add_overwrite(view, "a file that exists")
 
     about = "Write the page in which a scene is simulated in a browser, where obstacles, pins and the object are moved by hand."
     live = add("live", about, "softffd live press")

@@ -18,7 +18,7 @@ from softffd.scene.scene import Scene
 from softffd.scene.springs import cell_stiffness
 from softffd.show.live.scene import RECORDED
 from softffd.show.stage import Stage
-from softffd.show.view import ENERGY_MARKS, hex_of
+from softffd.show.view_body import ENERGY_MARKS, hex_of
 
 MOST_SPEED = 3.0  # of what is dragged: sizes of the object per second
 MOST_PULL = 10.0  # of the object's weights

@@ -33,12 +33,12 @@ function pick(x, y) {
   gl.clearBufferuiv(gl.COLOR, 0, [0, 0, 0, 0]);
   gl.clearBufferfv(gl.DEPTH, 0, [1]);
   gl.enable(gl.DEPTH_TEST);
-  bind(0, points);
+  bind(0, body.lattice);
   use(picker.object, { ...common, number: 1 });
-  gl.bindVertexArray(object.array);
-  gl.drawElements(gl.TRIANGLES, object.count, gl.UNSIGNED_INT, 0);
+  gl.bindVertexArray(body.object.array);
+  gl.drawElements(gl.TRIANGLES, body.object.count, gl.UNSIGNED_INT, 0);
   if (state.obstacles) obstacles.forEach((each, n) => {
-    const form = solids.forms[n - run.planes.length];
+    const { form } = each;
     if (!form && each.floor && part_of(each) !== chosen) return;   // a floor is everywhere: it is held once it is chosen in the list
     use(form ? picker.solid : picker.plane, { ...common, ...each.now, number: n + 2 });
     gl.bindVertexArray(form ? form.array : planes.array);
@@ -78,7 +78,7 @@ function along(s, n, basis) {
   return b;
 }
 function weights_at(uvw) {
-  const [x, y, z] = uvw.map((s, a) => along(s, run.counts[a], run.bases[a])), weights = [];
+  const [x, y, z] = uvw.map((s, a) => along(s, body.counts[a], body.bases[a])), weights = [];
   for (let k = 0; k < NZ; k++) for (let j = 0; j < NY; j++) for (let i = 0; i < NX; i++) {
     const w = x[i] * y[j] * z[k];
     if (Math.abs(w) > 1e-9) weights.push([i + NX * (j + NY * k), w]);
@@ -110,9 +110,9 @@ function on_line({ eye, way }, at, normal) {
   return plus(at, (b * dot(way, between_them) - dot(normal, between_them)) / Math.max(1 - b * b, 1e-3), normal);
 }
 function pin_near(r) {
-  const m = camera_matrix(camera_frame()), near = ([x, y, z]) => {
-    const [cx, cy, , cw] = [0, 1, 2, 3].map(i => m[i] * x + m[4 + i] * y + m[8 + i] * z + m[12 + i]);
-    return Math.hypot((cx / cw + 1) / 2 * canvas.clientWidth - r.x, (1 - cy / cw) / 2 * canvas.clientHeight - r.y);
+  const matrix = camera_matrix(camera_frame()), near = place => {
+    const [x, y] = on_pane(matrix, place) || [Infinity, Infinity];
+    return Math.hypot(x * canvas.clientWidth - r.x, y * canvas.clientHeight - r.y);
   };
   for (const [part, { held }] of live.open.parts.entries()) {
     const at = held.map(p => now.points.subarray(3 * p, 3 * p + 3)).find(place => near(place) < 14);
@@ -125,7 +125,7 @@ function grip_at(e) {
   if (pin) return pin;
   if (found?.uvw) { const weights = weights_at(found.uvw); return { weights, at: place_of(weights) }; }
   const part = found ? part_of(found.obstacle) : -1;
-  const normal = found && run.planes.includes(found.obstacle) && !(e.altKey || state.sideways) ? found.obstacle.now.normal : null;
+  const normal = found && body.planes.includes(found.obstacle) && !(e.altKey || state.sideways) ? found.obstacle.now.normal : null;
   return part < 0 ? null : { part, at: found.at, normal };
 }
 Object.assign(source, {
@@ -156,7 +156,7 @@ Object.assign(source, {
 // ---- keys: what is chosen in the list of obstacles, pins and places goes where the arrows say -----------------------------
 function nudge(n, key, far) {
   const { right, above } = camera_frame(), way = (far ? 0.1 : 0.02) * run.radius, part = live.open.parts[n];
-  const plane = part && run.planes.find(each => part_of(each) === n), [dx, dy] = ARROWS[key];
+  const plane = part && body.planes.find(each => part_of(each) === n), [dx, dy] = ARROWS[key];
   const up = plane && !state.sideways ? (dot(plane.now.normal, above) < 0 ? plane.now.normal.map(x => -x) : plane.now.normal) : above;
   const from = part ? (hand?.part === n ? hand.target : now.parts[n]).map((x, a) => x - centre[a])
     : hand?.weights ? hand.target.map((x, a) => x - centre[a]) : place_of(weights_at(live.places[n - live.open.parts.length].uvw));

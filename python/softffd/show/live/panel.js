@@ -1,6 +1,6 @@
 // ---- the panel: what can be held, the parameters, moments that are kept, and the recording --------------------------
 let chosen = null;                                     // what the arrow keys move: an obstacle or pin, or behind these a place of the object
-live.places = [...live.probes, { label: "object", uvw: run.counts.map((n, a) => run.bases[a] === 1 ? (n - 3) / 2 : run.bases[a] === 2 ? n / 3 / 2 : 0.5) }];
+live.places = [...live.probes, { label: "object", uvw: body.counts.map((n, a) => body.bases[a] === 1 ? (n - 3) / 2 : body.bases[a] === 2 ? n / 3 / 2 : 0.5) }];
 const small = () => matchMedia("(max-width: 900px), (max-height: 480px)").matches;
 const sliders = live.sliders.map(slider => ({ ...slider }));
 
