@@ -251,7 +251,7 @@ def _export(options: argparse.Namespace) -> None:
     if not options.overwrite:
         files = FORMATS[name].files(path)
         require_new([next(file.iterdir(), file) if file.is_dir() else file for file in files], "another name by -o FILE")
-    asked = {"to": name, "tolerance": options.tolerance, "frames": options.frames}
+    asked = {"to": name, "tolerance": options.tolerance, "frames": options.frames, "lattice": options.lattice}
     with ProgressLine("reading the result") as progress:
         result = kept_result(options.what)
         progress.stage(f"exporting to {name}")

@@ -202,6 +202,7 @@ def _others(add: Add) -> None:
     share = "Largest error of a vertex in glb, as a fraction of the largest side of the box; default: 0.001."
     export.add_argument("--tolerance", type=_number, metavar="T", help=share)
     export.add_argument("--frames", type=int, metavar="N", help="Number of rows to take, evenly chosen; default: all.")
+    _add_lattice(export, "gif and mp4")
     _add_overwrite(export, "files that exist")
 
     about = "List the variables of a scene or an FMU with causality, unit and start value, and the frames of its pins."

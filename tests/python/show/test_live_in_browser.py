@@ -13,7 +13,7 @@ from softffd.show.tension import COLOURS
 ON_SCREEN = """(at => { const m = camera_matrix(camera_frame());
   const [x, y, , w] = [0, 1, 2, 3].map(r => m[r] * at[0] + m[4 + r] * at[1] + m[8 + r] * at[2] + m[12 + r]);
   return [(x / w + 1) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight]; })"""
-PRESS = "run.planes.find(plane => plane.name === 'press').now"
+PRESS = "bodies[0].planes.find(plane => plane.name === 'press').now"
 EDGE = f"plus({PRESS}.centre, 0.95 * {PRESS}.extent[0] * {PRESS}.reach, {PRESS}.tangent)"
 HEIGHT = "now.parts[live.open.parts.findIndex(part => part.label === 'press')][2]"
 
@@ -131,7 +131,7 @@ def test_colours_of_cells_are_those_of_a_run(tmp_path, pages, name):
         browser.wait_for("asked === null && element('frame').textContent === 'paused'")
         browser.ask("hand = pull(weights_at([0.9, 0.9, 0.9]), [run.radius, 0, 0]), ask({ run: now.frame + 20 * h, budget: 1e9, hand })")
         browser.wait_for("asked === null && now.pull")
-        shares = [browser.ask(f"[...source.cells(run.cells[{n}])]") for n in range(2)]
+        shares = [browser.ask(f"[...source.cells({n})]") for n in range(2)]
         cells = browser.ask("run.cells")
         browser.ask("keep_recording = text => { window.kept = text; }, element('record').click()")
         (tmp_path / "recording.csv").write_text(browser.wait_for("window.kept"))
