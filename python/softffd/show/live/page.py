@@ -1,7 +1,8 @@
 """The live page: one HTML file with the renderer of the replay, the component in WebAssembly, and a worker that steps it.
 
-`worker.js` steps the component, `source.js` keeps the page's clock, `hand.js` finds what is under the pointer, `contact.js` what touches;
-`cells.js` has the colours of stress, `panel.js` the controls. Of the scene's variables they know what `described.py` writes.
+`worker.js` steps the component, `source.js` keeps the page's clock, `hand.js` finds what is under the pointer, `turning.js` has turns,
+`contact.js` what touches, `cells.js` the colours of stress, `panel.js` the controls. Of the scene's variables they know what `described.py`
+writes.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from softffd.show.view import about, as_json, page_of, sights, subtitle
 from softffd.show.view_body import Body, largest, scenery
 
 HERE = "softffd.show.live"
-SCRIPTS = ("source.js", "hand.js", "contact.js", "panel.js", "cells.js")
+SCRIPTS = ("turning.js", "source.js", "hand.js", "contact.js", "panel.js", "cells.js")
 LEAST_SCALE = 0.1  # end of a colour scale: strain, or share of the object's size
 
 
@@ -82,7 +83,7 @@ def live_page(scene: Scene, result: Result, library: bytes) -> str:
     }
     texts = {
         "wasm": base64.b64encode(gzip.compress(library, 9, mtime=0)).decode("ascii"),
-        "worker": text_of("softffd.show", "live_component.js") + text_of(HERE, "worker.js"),
+        "worker": text_of("softffd.show", "live_component.js") + text_of(HERE, "turning.js") + text_of(HERE, "worker.js"),
     }
     blocks = [f'<script type="text/plain" id="{name}">{text}</script>\n' for name, text in texts.items()]
     return page_of(

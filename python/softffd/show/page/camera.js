@@ -14,7 +14,7 @@ function reset_view() {
 }
 // So far away that the box of all that the lattices ever cover is in the picture.
 function fitting_distance() {
-  const { back, right, above } = camera_frame(), tall = 0.82 * Math.tan(FOV / 2), [width, height] = pane_size(), wide = tall * width / height;
+  const { back, right, above } = camera_frame(), tall = 0.82 * Math.tan(FOV / 2), [width, height] = pane_size(), free = width - covered()[0] - covered()[1], wide = tall * free / height;
   let distance = 0.5 * run.radius;
   for (let corner = 0; corner < 8; corner++) {
     const c = run.half.map((h, a) => corner >> a & 1 ? h : -h);
@@ -36,7 +36,20 @@ function camera_matrix({ back, right, above, eye }) {
   const a = (near + far) / (near - far), b = 2 * near * far / (near - far), m = [];
   for (let i = 0; i < 3; i++) m.push(f / aspect * right[i], f * above[i], a * back[i], -back[i]);
   m.push(-f / aspect * dot(right, eye), -f * dot(above, eye), -a * dot(back, eye) + b, dot(back, eye));
+  const shift = off_middle();
+  for (let i = 0; i < 16; i += 4) m[i] += shift * m[i + 3];
   return new Float32Array(m);
+}
+// What readout and controls cover on the left and on the right of a large window, pixels of the page; where the middle of the rest is, -1 .. 1.
+const ROOMY = matchMedia("(min-width: 641px) and (min-height: 481px)");
+function covered() {
+  if (PANES.length > 1 || !ROOMY.matches) return [0, 0];
+  const panel = document.getElementById("panel"), readout = element("readout");
+  return [panel?.open ? panel.offsetLeft + panel.offsetWidth : 0, canvas.clientWidth - readout.offsetLeft];
+}
+function off_middle() {
+  const [left, right] = covered();
+  return (left - right) / pane_size()[0];
 }
 function middle_of_object(pane = PANES[0]) {
   const sum = [0, 0, 0], count = pane.reduce((points, body) => points + body.points, 0);

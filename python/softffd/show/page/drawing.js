@@ -44,7 +44,11 @@ function fit_canvas() {
   if (canvas.width === w && canvas.height === h) return;
   canvas.width = w;
   canvas.height = h;
+  refit();
+}
+function refit() {
   if (camera.home) camera.distance = fitting_distance();   // not once somebody has zoomed or moved
+  show();
 }
 function load_points(body) {
   const now = source.points(body), { texels, points, counts: [NX, NY, NZ] } = body;
