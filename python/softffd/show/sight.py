@@ -1,4 +1,4 @@
-"""From where one looks first: the usual view, or the nearest to it from which obstacles are seen from their free side."""
+"""From where one looks first: the usual view, or the nearest to it from which obstacles are seen from their free side and hide nothing."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -12,11 +12,13 @@ LIFTS = (VIEW[1], 0.18, 0.1, 0.05, 0.02, -0.02, 0.45, 0.7, -0.2)
 DISTANCES = (4.0, 8.0)
 """Of the eye from the middle of the scene, in halves of its diagonal: in a broad page, and in a narrow one"""
 GLANCES = 12  # frames, evenly chosen, in which it counts
+SAMPLES = 40  # places between eye and object where a solid would hide it
 TURNED = 0.02  # a radian of turning away from the usual view is worth so much of the run behind an obstacle
 
 
 def first_sight(stages: Sequence[Stage]) -> tuple[float, float]:
-    """About the up direction, and above the horizon [rad]: where the eye is behind obstacles, or in them, for the least time.
+    """About the up direction, and above the horizon [rad]: where the eye is behind planes, or solids before the object, for the least
+    time.
 
     stages: what is seen by one camera, each about its own centre.
     """
@@ -28,12 +30,16 @@ def first_sight(stages: Sequence[Stage]) -> tuple[float, float]:
 
 
 def _behind(stage: Stage, backs: np.ndarray) -> np.ndarray:
-    """For directions from the middle to the eye (N, 3): on how many obstacles' solid sides it is, in how much of the run, (N,)."""
+    """For directions from the middle to the eye (N, 3): on how many obstacles' solid sides it is, or behind how many solids the object's
+    middle, in how much of the run, (N,)."""
     frames = np.unique(np.linspace(0, len(stage.time) - 1, GLANCES).astype(int))
     counted = np.zeros(len(backs))
-    for distance, obstacle, frame in product(DISTANCES, stage.obstacles, frames):
-        eyes = stage.centre + distance * stage.radius * backs
-        counted += (obstacle.gap(frame, eyes) < 0) / (len(frames) * len(DISTANCES))
+    for distance, frame in product(DISTANCES, frames):
+        eyes, middle = stage.centre + distance * stage.radius * backs, stage.positions[frame].mean(axis=(0, 1, 2))
+        between = middle + (eyes - middle) * np.linspace(0, 1, SAMPLES)[:, None, None]
+        hidden = [plane.gap(frame, eyes) < 0 for plane in stage.planes]
+        hidden += [(solid.gap(frame, between.reshape(-1, 3)).reshape(SAMPLES, -1) < 0).any(axis=0) for solid in stage.solids]
+        counted += np.sum(hidden, axis=0) / (len(frames) * len(DISTANCES))
     return counted
 
 

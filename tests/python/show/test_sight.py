@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from made_up_run import made_up_run
+from made_up_run import made_up_run, with_solids
+from softffd.scene.rigid import Sphere
 from softffd.show.sight import DISTANCES, back_of, first_sight
 from softffd.show.stage import VIEW, PlaneTrack, stage_of
 
@@ -33,6 +34,18 @@ def test_the_eye_is_on_the_free_side_of_a_wall_and_above_the_ground(normal):
     for distance in DISTANCES:
         eye = stage.centre + distance * stage.radius * back
         assert all(each.gap(0, eye[None])[0] > 0 for each in stage.planes)
+
+
+def test_a_solid_does_not_hide_the_object():
+    """One that stands where the usual view is from, so near that it hides the middle."""
+    usual = stage_of(made_up_run())
+    place = usual.centre + 0.7 * usual.radius * back_of(usual.up, *VIEW)
+    stage = stage_of(with_solids(made_up_run(), Sphere(name="ball", radius=0.4, point=tuple(place))))
+    stage = replace(stage, planes=())
+    turn, lift = first_sight([stage])
+    way = back_of(stage.up, turn, lift)
+    places = stage.positions[20].mean(axis=(0, 1, 2)) + np.linspace(0, 4, 200)[:, None] * stage.radius * way
+    assert (turn, lift) != VIEW and lift > 0 and stage.solids[0].gap(20, places).min() > 0
 
 
 def test_a_press_is_seen_from_below_and_its_table_from_above():

@@ -40,12 +40,13 @@ function camera_matrix({ back, right, above, eye }) {
   for (let i = 0; i < 16; i += 4) m[i] += shift * m[i + 3];
   return new Float32Array(m);
 }
-// What readout and controls cover on the left and on the right of a large window, pixels of the page; where the middle of the rest is, -1 .. 1.
-const ROOMY = matchMedia("(min-width: 641px) and (min-height: 481px)");
+// What readout and controls cover of the canvas on the left and on the right, pixels of the page, but on an upright phone, where it is
+// little; where the middle of the rest is, -1 .. 1.
+const BROAD = matchMedia("(min-width: 641px)");
 function covered() {
-  if (PANES.length > 1 || !ROOMY.matches) return [0, 0];
-  const panel = document.getElementById("panel"), readout = element("readout");
-  return [panel?.open ? panel.offsetLeft + panel.offsetWidth : 0, canvas.clientWidth - readout.offsetLeft];
+  if (!BROAD.matches) return [0, 0];
+  const panel = document.getElementById("panel"), { offsetLeft: begin, clientWidth: width } = canvas;
+  return [panel?.open ? panel.offsetLeft + panel.offsetWidth - begin : 0, begin + width - element("readout").offsetLeft].map(x => Math.max(x, 0));
 }
 function off_middle() {
   const [left, right] = covered();

@@ -156,7 +156,8 @@ function write_page() {
   element("note").textContent = run.note;
   element("note").hidden = !run.note;
   element("grid").textContent = bodies.some(({ planes }) => planes.length) ? `grid: ${run.spacing} m` : "";
-  document.body.classList.toggle("several", PANES.length > 1);
+  document.body.classList.toggle("several", bodies.length > 1);
+  document.body.classList.toggle("beside", PANES.length > 1);
   element("lattice").setAttribute("aria-pressed", state.lattice);
   for (const name of ["obstacles", "contacts"]) element(name).hidden = !bodies.some(({ obstacles }) => obstacles.length);
   element("pressed").hidden = !bodies.some(({ touch }) => touch.arrows.length);
