@@ -106,10 +106,10 @@ function pull(weights, target) {
 }
 
 // ---- pointers --------------------------------------------------------------------------------------------------------
-function ray({ clientX, clientY }) {
+function ray({ clientX, clientY, pointerType }) {
   const { left, top, width, height } = canvas.getBoundingClientRect(), { eye, back, right, above } = camera_frame(), tall = Math.tan(FOV / 2);
   const x = clientX - left, y = clientY - top, sx = (2 * x / width - 1 - off_middle()) * tall * width / height, sy = (1 - 2 * y / height) * tall;
-  return { x, y, eye, back, way: unit(plus(plus(back.map(b => -b), sx, right), sy, above)) };
+  return { x, y, reach: REACH[pointerType] || REACH.mouse, eye, back, way: unit(plus(plus(back.map(b => -b), sx, right), sy, above)) };
 }
 const in_picture = ({ eye, way, back }, at) => plus(eye, dot(plus(at, -1, eye), back) / dot(way, back), way);
 // The place of a line that is nearest to a ray.
@@ -119,7 +119,7 @@ function on_line({ eye, way }, at, normal) {
 }
 function near_pointer(r, place) {
   const [x, y] = on_pane(camera_matrix(camera_frame()), place) || [Infinity, Infinity];
-  return Math.hypot(x * canvas.clientWidth - r.x, y * canvas.clientHeight - r.y) < 14;
+  return Math.hypot(x * canvas.clientWidth - r.x, y * canvas.clientHeight - r.y) < 11 + r.reach;
 }
 // A load by its place or by the tip of its arrow, a pin by one of its points.
 function load_or_pin_near(r) {
@@ -132,7 +132,7 @@ const held_at = part => now.parts[part].map((x, a) => x - centre[a]);
 function grip_at(e) {
   const r = ray(e), near = load_or_pin_near(r);
   if (near) return near;
-  const found = pick(r.x, r.y, REACH[e.pointerType] || REACH.mouse);
+  const found = pick(r.x, r.y, r.reach);
   if (found?.uvw) { const weights = weights_at(found.uvw); return { weights, at: place_of(weights) }; }
   const part = found ? part_of(found.obstacle) : -1;
   const normal = found && body.planes.includes(found.obstacle) && !(e.altKey || state.sideways) ? found.obstacle.now.normal : null;
