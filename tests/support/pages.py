@@ -1,6 +1,7 @@
 """Pages of runs, and what they hold."""
 
 import base64
+import gzip
 import json
 import re
 
@@ -12,11 +13,45 @@ from softffd.mesh.files import load_mesh
 from softffd.show.view import write_view
 
 
-def run_of(page):
+def whole_run_of(page):
     return json.loads(re.search(r'<script type="application/json" id="run">(.*?)</script>', page.read_text("utf-8"))[1])
 
 
+def run_of(page):
+    """The run of a page of one body, what the body has beside the rest; of its surface the arrays."""
+    run = whole_run_of(page)
+    (body,) = run["bodies"]
+    cells = [each | {"values": values} for each, values in zip(run["cells"], body.get("cells", []), strict=False)]
+    return run | body | opened(body["surface"]) | {"cells": cells}
+
+
+def opened(surface):
+    """The arrays of a surface that is packed."""
+    data, columns = gzip.decompress(base64.b64decode(surface["block"])), []
+    for count, planes in surface["columns"]:
+        number = sum(np.frombuffer(data[k * count : (k + 1) * count], "u1").astype(int) << 8 * k for k in range(planes))
+        columns.append((number >> 1) ^ -(number & 1))
+        data = data[planes * count :]
+    assert not data
+    *of_vertices, second, third = columns
+    of_vertices = [np.cumsum(each) for each in of_vertices]
+    triangles = np.stack([of_vertices[10], of_vertices[10] + second, of_vertices[10] + third], axis=1)
+    place, coordinates, uv = (
+        np.stack(of_vertices[3:5], axis=1) / 2047,
+        *(
+            np.stack([low + step * of_vertices[first + a] for a, (low, step) in enumerate(surface[scales])], axis=1)
+            for first, scales in ((0, "scales"), (8, "uv_scales"))
+        ),
+    )
+    up = 1 - np.abs(place).sum(axis=1, keepdims=True)
+    normals = np.hstack([np.where(up < 0, (1 - np.abs(place[:, ::-1])) * np.where(place < 0, -1, 1), place), up])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    tints = np.stack(of_vertices[5:8], axis=1)
+    return {"coordinates": coordinates, "normals": normals, "uv": uv, "tints": tints, "triangles": triangles, "parts": surface["parts"]}
+
+
 def decoded(text, kind, width):
+    """An array of the page."""
     return np.frombuffer(base64.b64decode(text), kind).reshape(-1, width).astype(float)
 
 

@@ -229,10 +229,10 @@ def _new(options: argparse.Namespace) -> None:
 def _view(options: argparse.Namespace) -> None:
     import webbrowser
 
-    from softffd.cli.keep import page_of
+    from softffd.cli.view import page_to_view
 
-    with ProgressLine("writing view.html"):
-        page = page_of(options.what)
+    with ProgressLine("reading the runs") as progress:
+        page = page_to_view(options.what, options.output, overwrite=options.overwrite, together=options.ssp, stage=progress.stage)
     print(page)
     webbrowser.open(page.resolve().as_uri())
 
@@ -263,7 +263,7 @@ def _export(options: argparse.Namespace) -> None:
     if not options.overwrite:
         files = FORMATS[name].files(path)
         require_new([next(file.iterdir(), file) if file.is_dir() else file for file in files], "another name by -o FILE")
-    asked = {"to": name, "tolerance": options.tolerance, "frames": options.frames}
+    asked = {"to": name, "tolerance": options.tolerance, "frames": options.frames, "lattice": options.lattice}
     with ProgressLine("reading the result") as progress:
         result = kept_result(options.what)
         progress.stage(f"exporting to {name}")

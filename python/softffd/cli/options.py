@@ -200,8 +200,13 @@ def _others(add: Add) -> None:
 
     add("scenes", "List the shipped scenes.", "softffd scenes")
 
-    view = add("view", "Open the interactive page of a run that was kept.", "softffd view softffd-press")
-    view.add_argument("what", type=Path, metavar="DIR|X.npz", help="Folder of softffd run, or file of Result.save.")
+    about = "Open the interactive page of a run that was kept, or of several with one clock."
+    view = add("view", about, "softffd view softffd-press softffd-press-2")
+    runs = "Folder of softffd run, or file of Result.save; or a system and the CSV file of the rows that a host recorded of it."
+    view.add_argument("what", type=Path, nargs="+", metavar="DIR|X.npz|X.ssp", help=runs)
+    view.add_argument("--ssp", action="store_true", help="Show the runs in one place, as components of a coupled run.")
+    view.add_argument("-o", "--output", type=Path, metavar="X.html", help="File to write of several; default: A-B.html in this folder.")
+    _add_overwrite(view, "a file that exists")
 
     about = "Write the page in which a scene is simulated in a browser, where obstacles, pins and the object are moved by hand."
     live = add("live", about, "softffd live press")
@@ -220,6 +225,7 @@ def _others(add: Add) -> None:
     share = "Largest error of a vertex in glb, as a fraction of the largest side of the box; default: 0.001."
     export.add_argument("--tolerance", type=_number, metavar="T", help=share)
     export.add_argument("--frames", type=int, metavar="N", help="Number of rows to take, evenly chosen; default: all.")
+    _add_lattice(export, "gif and mp4")
     _add_overwrite(export, "files that exist")
 
     about = "List the variables of a scene or an FMU with causality, unit and start value, and the frames of its pins."

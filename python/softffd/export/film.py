@@ -66,7 +66,8 @@ def _images(take: Take, width: int, height: int, rate: int) -> Iterator[Image.Im
     moments = np.linspace(take.time[0], take.time[-1], round(lasts * rate) + 1)
     nearest = np.searchsorted((take.time[1:] + take.time[:-1]) / 2, moments)
     stage, rows = take.stage, take.rows[np.unique(nearest)].tolist()
-    panels = Panels(stage, rows, width, height, touch=touch_of(take.result, stage), lattice=stage.is_cage)
+    lattice = stage.is_cage if take.shows_lattice is None else take.shows_lattice
+    panels = Panels(stage, rows, width, height, touch=touch_of(take.result, stage), lattice=lattice)
     shown, image = -1, Image.new("RGB", (width, height))
     for number, each in enumerate(nearest.tolist()):
         take.note(f"picture {number + 1} of {len(nearest)}")

@@ -25,7 +25,7 @@ TOLERANCE = 1e-3
 class Format:
     """endings: of its file, the first by default. writer: the module of this folder whose `write` makes it. needs: a package, and the extra
     of softffd that has it. series: ending of the files that it lists, in a folder beside it. beside: what else there is, in the file's
-    name in the place of its ending. approximates: within a tolerance."""
+    name in the place of its ending. approximates: within a tolerance. draws: pictures."""
 
     endings: tuple[str, ...]
     writer: str
@@ -33,6 +33,7 @@ class Format:
     series: str = ""
     beside: tuple[str, ...] = ()
     approximates: bool = False
+    draws: bool = False
 
     def ending_of(self, name: str) -> str:
         """Of the endings that which a file's name has, as it stands there; "" for none of them."""
@@ -53,8 +54,8 @@ FORMATS = {
     "usd": Format((".usdc", ".usd", ".usda"), "usd", needs=("pxr", "usd")),
     "pc2": Format((".pc2",), "pc2", beside=("_rest.obj", "_rest.mtl")),
     "ply": Format((".ply.series", ".ply"), "ply", series=".ply"),
-    "gif": Format((".gif",), "film"),
-    "mp4": Format((".mp4",), "film"),
+    "gif": Format((".gif",), "film", draws=True),
+    "mp4": Format((".mp4",), "film", draws=True),
 }
 
 
@@ -79,7 +80,7 @@ def format_of(path: Path | None, to: str | None) -> str:
 
 def export_result(
     result: Result, path: str | Path, *, to: str | None = None, tolerance: float | None = None, frames: int | None = None,
-    note: Note = silent, say: Note = silent,
+    lattice: bool | None = None, note: Note = silent, say: Note = silent,
 ) -> list[Path]:  # fmt: skip
     """Writes `result` to `path` as `Result.export` says; returns the files. note, say: as in a Take."""
     name = format_of(Path(path), to)
@@ -88,9 +89,11 @@ def export_result(
     if kind.needs:
         package(kind.needs[0], f"export to {name}", kind.needs[1])
     if tolerance is not None and not (kind.approximates and 0 < tolerance < np.inf):
-        able = ", ".join(each for each, there in FORMATS.items() if there.approximates)
+        able = _that(lambda each: each.approximates)
         raise SoftffdError(f"tolerance: wanted a number > 0, a share of the largest side of the box, and with {able}, got {tolerance:g}")
-    take = Take(result, _rows(len(result.time), frames), TOLERANCE if tolerance is None else tolerance, note, say)
+    if lattice is not None and not kind.draws:
+        raise SoftffdError(f"lattice: wanted with {_that(lambda each: each.draws)}, which are drawn, got {name}")
+    take = Take(result, _rows(len(result.time), frames), TOLERANCE if tolerance is None else tolerance, lattice, note, say)
     _ = take.stage  # SoftffdError where positions were not recorded
     require_writable(path.parent)
     if kind.series:
@@ -103,6 +106,10 @@ def export_result(
         write(take, place / path.name)
         made = sorted(each.name for each in place.iterdir())
     return [path.parent / each for each in made]
+
+
+def _that(can: Callable[[Format], bool]) -> str:
+    return ", ".join(name for name, each in FORMATS.items() if can(each))
 
 
 def _rows(count: int, frames: int | None) -> np.ndarray:

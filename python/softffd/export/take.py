@@ -50,12 +50,14 @@ class Take:
     """A run as what is written of it needs it.
 
     `rows` (R,): those of the result's, in their order. `tolerance`: error allowed where a format approximates, as a share of the largest
-    side of the box. `note` is told how far it is, `say` what the user should know.
+    side of the box. `shows_lattice`: in films; by default where there is no mesh. `note` is told how far it is, `say` what the user
+    should know.
     """
 
     result: Result
     rows: np.ndarray
     tolerance: float
+    shows_lattice: bool | None = None
     note: Note = silent
     say: Note = silent
 

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Union
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
+from lxml.etree import XMLSyntaxError
 
-from softffd.errors import FmuError
+from softffd.errors import FmuError, SoftffdError
+from softffd.fmu.archive import require_no_bomb
+from softffd.fmu.component import Component
 from softffd.fmu.interface import ScalarVariable
+from softffd.fmu.ssp import START
 from softffd.run.inputs import Inputs
+from softffd.run.progress import Note, silent
 from softffd.run.result import Result
 from softffd.run.simulate import simulate
 from softffd.run.simulation import Simulation
@@ -37,29 +45,85 @@ def replay(scene_or_fmu: Scene | str | Path, rows: Rows, component: str, **optio
     options: of `simulate`: the start values of the coupled run, `output`.
     Raises FmuError where the rows hold no inputs of that component or are not of equal steps.
     """
-    table = read_csv(Path(rows)) if isinstance(rows, str | Path) else table_of(rows) if is_data_frame(rows) else rows
+    table = _table(rows)
     with Simulation(scene_or_fmu) as opened:
         variables = opened.variables
-    inputs, times = _inputs(table, component, variables)
+    inputs = _given(table, component, variables)
+    times = _times(table)
+    return _at(times, scene_or_fmu, inputs=_inputs(table, times, component, inputs), **options)
+
+
+def _at(times: np.ndarray, scene_or_fmu: Scene | str | Path, **options: Any) -> Result:
     begin, then, end = map(float, (times[0], times[1], times[-1]))
-    return simulate(scene_or_fmu, start_time=begin, stop_time=end, step=then - begin, inputs=inputs, **options)
+    return simulate(scene_or_fmu, start_time=begin, stop_time=end, step=then - begin, **options)
 
 
-def _inputs(table: Any, component: str, variables: dict[str, ScalarVariable]) -> tuple[np.ndarray, np.ndarray]:
-    """Inputs as `simulate` takes them, and the communication points."""
-    columns = getattr(getattr(table, "dtype", None), "names", None) or ()
-    if "time" not in columns or len(table) < 2:
+def replay_system(system: Path, rows: Rows, stage: Note = silent) -> dict[str, Result]:
+    """What the components of a coupled run did that are soft bodies, by their names in the system, each as `replay` gives it.
+
+    system: the path of the `.ssp`, whose FMUs and start values count; their meshes are not in it. rows: of `replay`, for all of them; one
+        that is given no inputs moves by itself.
+    stage: is told what is being done. Raises SoftffdError where the file is no system or has no soft body.
+    """
+    from fmpy.ssp.ssd import read_ssd, read_ssv
+
+    table = _table(rows)
+    times, columns = _times(table), _columns(table)
+    try:
+        with ZipFile(system) as archive, TemporaryDirectory(prefix="softffd-") as folder:
+            require_no_bomb(archive, system.stat().st_size)
+            starts = read_ssv(str(system), START).parameters if START in archive.namelist() else []
+            results: dict[str, Result] = {}
+            for element in read_ssd(str(system)).system.elements:
+                fmu = Path(folder) / f"{len(results)}.fmu"
+                fmu.write_bytes(archive.read(element.source))
+                with Component(fmu, running=False) as component:
+                    is_body = component.lattice is not None
+                    led = any(each.causality == "input" and f"{element.name}.{name}" in columns for name, each in component.by_name.items())
+                if is_body:
+                    stage(f"simulating {element.name} again")
+                    own = {each.name.partition(".")[2]: each.value for each in starts if each.name.partition(".")[0] == element.name}
+                    again = replay(fmu, table, element.name, start_values=own) if led else _at(times, fmu, inputs={}, start_values=own)
+                    results[element.name] = again
+    except (BadZipFile, KeyError, OSError, XMLSyntaxError) as error:
+        raise SoftffdError(f"{system}: cannot be read as a system of FMUs (SSP): {error}") from error
+    if not results:
+        raise SoftffdError(f"{system}: wanted a system with a soft body, an FMU of softffd; got none")
+    return results
+
+
+def _table(rows: Rows) -> Any:
+    return read_csv(Path(rows)) if isinstance(rows, str | Path) else table_of(rows) if is_data_frame(rows) else rows
+
+
+def _times(table: Any) -> np.ndarray:
+    """The communication points, from the begin of the first step to the end of the last."""
+    if "time" not in _columns(table) or len(table) < 2:
         raise FmuError("rows: wanted what fmpy's simulate_ssp returns, a structured array with a field `time` and at least two rows")
-    given = [name for name in variables if f"{component}.{name}" in columns and variables[name].causality == "input"]
-    if not given:
-        others = sorted({each.partition(".")[0] for each in columns} - {"time"})
-        raise FmuError(f"rows: wanted columns {component}.VARIABLE of its inputs, got none; there are columns of {', '.join(others)}")
-    begin, steps = float(table["time"][0]), np.diff(table["time"])
+    steps = np.diff(table["time"])
     if not np.allclose(steps, steps[0], rtol=1e-6, atol=0) or steps[0] <= 0:
         raise FmuError(f"rows: wanted equal steps of time, got some of {min(steps):g} s and some of {max(steps):g} s")
-    times = begin + steps.mean() * np.arange(len(table) + 1)
-    held = {"time": times} | {name: np.append(0.0, table[f"{component}.{name}"]) for name in given}
-    for name in Inputs(structured_array(held), begin).derived_names:  # nobody gave them: they keep what they start from
-        if name in variables and variables[name].causality == "input":
-            held[name] = np.full(len(times), float(variables[name].start or 0))
-    return structured_array(held), times
+    return np.asarray(float(table["time"][0]) + steps.mean() * np.arange(len(table) + 1))
+
+
+def _columns(table: Any) -> Sequence[str]:
+    return getattr(getattr(table, "dtype", None), "names", None) or ()
+
+
+def _given(table: Any, component: str, variables: dict[str, ScalarVariable]) -> dict[str, ScalarVariable]:
+    """The inputs of a component, of which the rows have some."""
+    columns, inputs = _columns(table), {name: each for name, each in variables.items() if each.causality == "input"}
+    if "time" in columns and not any(f"{component}.{name}" in columns for name in inputs):
+        others = sorted({each.partition(".")[0] for each in columns} - {"time"})
+        raise FmuError(f"rows: wanted columns {component}.VARIABLE of its inputs, got none; there are columns of {', '.join(others)}")
+    return inputs
+
+
+def _inputs(table: Any, times: np.ndarray, component: str, inputs: dict[str, ScalarVariable]) -> np.ndarray:
+    """Inputs as `simulate` takes them."""
+    columns = _columns(table)
+    held = {"time": times} | {name: np.append(0.0, table[f"{component}.{name}"]) for name in inputs if f"{component}.{name}" in columns}
+    for name in Inputs(structured_array(held), float(times[0])).derived_names:  # nobody gave them: they keep what they start from
+        if name in inputs:
+            held[name] = np.full(len(times), float(inputs[name].start or 0))
+    return structured_array(held)

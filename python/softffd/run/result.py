@@ -275,14 +275,18 @@ class Result:
             webbrowser.open(written.resolve().as_uri())
         return written
 
-    def export(self, path: str | Path, *, to: str | None = None, tolerance: float | None = None, frames: int | None = None) -> list[Path]:
+    def export(
+        self, path: str | Path, *, to: str | None = None, tolerance: float | None = None, frames: int | None = None,
+        lattice: bool | None = None,
+    ) -> list[Path]:  # fmt: skip
         """Writes the run for another program, in the format of the path's ending, or `to`: vtkhdf, vtu, glb, usd, pc2, ply, gif or mp4.
         All files appear or none does, in place of those of their names. Returns their paths.
         tolerance: of glb, the largest error of a vertex as a share of the largest side of the box; 1e-3 by default. frames: how many rows
-        to take, evenly chosen, >= 2; all by default. SoftffdError where positions were not recorded or something is missing."""
+        to take, evenly chosen, >= 2; all by default. lattice: of gif and mp4, show it; by default where there is no mesh.
+        SoftffdError where positions were not recorded or something is missing."""
         from softffd.export.formats import export_result
 
-        return export_result(self, path, to=to, tolerance=tolerance, frames=frames)
+        return export_result(self, path, to=to, tolerance=tolerance, frames=frames, lattice=lattice)
 
     def _repr_html_(self) -> str:
         """In a notebook the words and, where positions were recorded, the picture and, if it is small, the interactive page."""

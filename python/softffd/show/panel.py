@@ -1,4 +1,4 @@
-"""The object in one frame as an image: its surface, its lattice and the obstacles, from the usual side."""
+"""The object in one frame as an image: its surface, its lattice and the obstacles, from the first side."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -10,8 +10,9 @@ from softffd.mesh.normals import ShadingNormals, face_normals
 from softffd.show.raster import FIELD, Camera, Canvas
 from softffd.show.raster_mark import draw_arrow, draw_dots
 from softffd.show.raster_plane import Patch, draw_plane, draw_solid
+from softffd.show.sight import first_sight, view_axes
 from softffd.show.skin import Painter
-from softffd.show.stage import FREE, PINNED, VIEW, Stage, beside, round_length
+from softffd.show.stage import FREE, PINNED, Stage, beside, round_length
 from softffd.show.touch import INK, MARK, Touch
 
 SMOOTH_FACES = 150_000  # up to here normals are smoothed; the triangles of larger meshes are hardly larger than a pixel
@@ -31,7 +32,7 @@ class Panels:
     ):  # fmt: skip
         self._tints, self._touch, self._lattice = tints or {}, touch, lattice
         self._stage, self._width, self._height = stage, width, height
-        self._axes = view_axes(stage.up)
+        self._axes = view_axes(stage.up, first_sight([stage]))
         small = len(stage.faces) <= SMOOTH_FACES
         self._normals = ShadingNormals(stage.vertices, stage.faces) if small else None
         self._paint = stage.skin.painter(stage.faces)
@@ -107,16 +108,6 @@ class Panels:
         if self._lattice:
             canvas.lines(flat, self._stage.edges, width=max(0.8, self._height / 500))
         canvas.balls(flat[shown], radius=self._ball, colours=colours[shown])
-
-
-def view_axes(up: np.ndarray) -> np.ndarray:
-    """Rows right, above, back (3, 3) of the usual view: from the side and a little above."""
-    turn, lift = VIEW
-    east = np.cross([0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [0.0, 0.0, 1.0], up)
-    east /= np.linalg.norm(east)
-    flat = np.cos(turn) * east + np.sin(turn) * np.cross(up, east)
-    right, back = np.cross(up, flat), np.cos(lift) * flat + np.sin(lift) * np.asarray(up)
-    return np.stack([right, np.cross(back, right), back])
 
 
 def _corners(ends: np.ndarray) -> np.ndarray:

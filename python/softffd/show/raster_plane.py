@@ -107,6 +107,14 @@ class Patch:
         inside = np.minimum(*((single(self.plate)[:, None] - np.abs(place)) / size))
         return line + 0.6 * (1 - _smooth(inside - 1))
 
+    def hatching(self, place: np.ndarray, size: np.ndarray) -> np.ndarray:
+        """How much the stripes of the solid side cover, like `lines`, (P,)."""
+        step = self.spacing / 2
+        shift = (self.frame[:2] @ (self.foot - self.point)).sum() % step
+        at, width = (place.sum(axis=0) + shift) / step, size.sum(axis=0) / step
+        line, blurred = 1 - _smooth((np.abs(at % 1 - 0.5) - 0.11) / width), _smooth((width - 0.3) / 0.6)
+        return single(line + blurred * (0.25 - line))
+
     def fade(self, place: np.ndarray) -> np.ndarray | float:
         """Opacity at the places (2, P), as a share."""
         return 1.0 if self.plate is not None else 1 - _smooth((np.hypot(*place) / self.reach - 0.55) / 0.45)
@@ -116,7 +124,7 @@ def draw_plane(canvas: Canvas, patch: Patch, *, surfaces: Sequence[tuple[np.ndar
     """Lay `patch` over `canvas`; surfaces: pairs of vertices (V, 3) [m] and faces, of the object and the solids that darken it.
 
     Colours and lines are those of whole pixels, by how much of them lines and patch cover; what is before the plane hides fine ones. The
-    plane's back is nearly clear, so that it hides nothing.
+    plane's back is hatched and nearly clear, so that it hides nothing.
     """
     front = patch.normal @ (canvas.camera.eye - patch.foot) > 0
     opacity = 0.62 if patch.plate is None else 0.45
@@ -125,7 +133,7 @@ def draw_plane(canvas: Canvas, patch: Patch, *, surfaces: Sequence[tuple[np.ndar
     within = np.flatnonzero(share > 0)
     pixel, seen, place, size, share = pixel[within], seen[within], place.take(within, axis=1), size.take(within, axis=1), share[within]
     line = patch.lines(place, size)
-    cover = (opacity if front else 0.10) + (1 - opacity) * line * (1.0 if front else 0.5)
+    cover = opacity + (1 - opacity) * line if front else 0.08 + 0.3 * patch.hatching(place, size) + 0.5 * (1 - opacity) * line
     colour = np.multiply.outer(single(patch.tint), 1 - 0.55 * line)
     if surfaces and front:
         dark = 0.8 * _sampled(_occlusion(surfaces, patch.foot, patch.frame, patch.reach), place / patch.reach)

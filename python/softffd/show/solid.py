@@ -18,12 +18,13 @@ SAGITTA = 1e-3  # by which the sides of a cylinder may be off the circle, as a s
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """`vertices` (V, 3) [m] with outward unit `normals` (V, 3), `faces` (F, 3); `beyond`: how far places (N, 3) [m] are beyond each of the
-    surfaces whose insides have the solid in common, (N, K) [m], for surfaces at right angles."""
+    """`vertices` (V, 3) [m] with outward unit `normals` (V, 3), `faces` (F, 3), of the `shape`; `beyond`: how far places (N, 3) [m] are
+    beyond each of the surfaces whose insides have the solid in common, (N, K) [m], for surfaces at right angles."""
 
     vertices: np.ndarray
     normals: np.ndarray
     faces: np.ndarray
+    shape: SolidShape
     beyond: Callable[[np.ndarray], np.ndarray]
 
     def gap(self, places: np.ndarray) -> np.ndarray:
@@ -43,7 +44,7 @@ def _sphere(solid: SolidShape, scale: float) -> Form:
     angle = np.pi * np.linspace(0, 1, RINGS + 1) ** crowded
     profile = np.column_stack([np.sin(angle), np.cos(angle)])
     lathed = _lathed([(solid.radius * profile, profile)], AROUND)
-    return Form(*lathed, lambda places: np.linalg.norm(places, axis=1, keepdims=True) - solid.radius)
+    return Form(*lathed, solid, lambda places: np.linalg.norm(places, axis=1, keepdims=True) - solid.radius)
 
 
 def _cylinder(solid: SolidShape, scale: float) -> Form:
@@ -55,7 +56,7 @@ def _cylinder(solid: SolidShape, scale: float) -> Form:
     def beyond(places: np.ndarray) -> np.ndarray:
         return np.column_stack([np.hypot(places[:, 0], places[:, 1]) - r, np.abs(places[:, 2]) - h])
 
-    return Form(*lathed, beyond)
+    return Form(*lathed, solid, beyond)
 
 
 def _box(solid: SolidShape, scale: float) -> Form:
@@ -67,7 +68,7 @@ def _box(solid: SolidShape, scale: float) -> Form:
                 corners.append(np.roll([side, a, b], axis) * half)
                 normals.append(np.roll([side, 0.0, 0.0], axis))
     faces = 4 * np.arange(6)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])
-    return Form(np.array(corners), np.array(normals), faces.reshape(-1, 3), lambda places: np.abs(places) - half)
+    return Form(np.array(corners), np.array(normals), faces.reshape(-1, 3), solid, lambda places: np.abs(places) - half)
 
 
 FORMS = {"sphere": _sphere, "cylinder": _cylinder, "box": _box}

@@ -6,7 +6,7 @@ from importlib import resources
 
 
 def filled(package: str, template: str, parts: Mapping[str, str]) -> str:
-    """The text of a package's template, as "view.html" of softffd.show, with its parts in their places."""
+    """The text of a package's template, as "view.html" of softffd.show.page, with its parts in their places."""
     whole = text_of(package, template)
     return re.sub(r"{{([\w.]+)}}", lambda place: parts[place[1]] if place[1] in parts else text_of(package, place[1]), whole)
 

@@ -30,13 +30,14 @@ class Touch:
     `starts` and `ways` (P, T, 3) [m]: of the arrows of P obstacles, along the force of the object on the obstacle, from the centre of
     pressure; 0 where there is none. The largest force of the run has the longest arrow, a
     quarter of it one of half that length.
-    `of`: what touches, "lattice" or "surface"; None: either, for all that is known.
+    `largest`: that force [N]. `of`: what touches, "lattice" or "surface"; None: either, for all that is known.
     """
 
     stage: Stage
     of: str | None
     starts: np.ndarray
     ways: np.ndarray
+    largest: float = 0.0
 
     def arrows(self, frame: int) -> np.ndarray:
         """Beginnings and ends of the arrows in a frame, (A, 2, 3) [m]."""
@@ -101,7 +102,7 @@ def touch_of(result: Result, stage: Stage) -> Touch:
     largest = size.max() or 1.0
     scale = LONGEST * np.linalg.norm(stage.size) / np.sqrt(largest)
     pressed = size > LEAST * largest
-    return Touch(stage, of, starts, np.where(pressed, scale * force / np.sqrt(np.where(pressed, size, 1.0)), 0.0))
+    return Touch(stage, of, starts, np.where(pressed, scale * force / np.sqrt(np.where(pressed, size, 1.0)), 0.0), float(largest))
 
 
 ENOUGH = 3.0  # cells across a patch from which on its force is that of the material within some per cent

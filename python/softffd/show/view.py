@@ -1,46 +1,38 @@
-"""The interactive page of a run: one HTML file that needs nothing else.
+"""The interactive page of a run, or of several: one HTML file that needs nothing else.
 
 The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume,
 so a frame costs the control points whatever the size of the mesh; of B-splines or patches 64 of them count at a vertex.
-`view.html` is the page with its style; `view_drawing.js`, `view_touch.js` and `view.glsl` draw what a source gives them, here
-`view_recorded.js`; `view.js` listens and tells, `view_keys.js` has the keys, `view_keep.js` saves pictures and films.
+In the folder `page`, `view.html` is the page with its style. `gl.js` makes what WebGL needs, `camera.js` says from where, and `drawing.js`,
+`names.js` and `touch.js` draw with `view.glsl` what a source gives them, here `recorded.js`. `unpack.js` opens surfaces, `view.js` listens
+and tells, `keys.js` has the keys, `keep.js` saves pictures and films.
 """
 
 import base64
 import html
 import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from softffd.embedding.basis import parameter
-from softffd.embedding.deform import BASES, deform
+from softffd.errors import SoftffdError
 from softffd.files import write_text
-from softffd.lattice import to_flat
-from softffd.mesh.looks import Picture
-from softffd.mesh.mesh import Mesh
-from softffd.mesh.normals import split_at_creases
-from softffd.run.findings import energies, reactions
 from softffd.run.result import Result
-from softffd.show.raster import Tint
-from softffd.show.solid import Form
-from softffd.show.stage import FREE, PINNED, VIEW, PlaneTrack, SolidTrack, Stage, round_length, stage_of
+from softffd.show.picture import run_picture
+from softffd.show.sight import first_sight
+from softffd.show.stage import FREE, PINNED, Stage, round_length, stage_of
 from softffd.show.template import filled, text_of
-from softffd.show.tension import Cells, cells_of
-from softffd.show.touch import INK, MARK, touch_of
+from softffd.show.tension import Cells
+from softffd.show.touch import INK, MARK
+from softffd.show.view_body import Body, largest
 
-MOST_FRAMES = 600
-MOST_POINT_BYTES = 24e6  # of the control points of all frames, before they become text: 600 frames of up to 3300 points
-
-MOST_TEXELS = 1024
-SAMPLES = 1000
 RAMP = ("ffffd9", "edf8b1", "c7e9b4", "7fcdbb", "41b6c4", "1d91c0", "225ea8", "253494", "081d58")
 """From little to much: ColorBrewer's YlGnBu with nine classes (Harrower & Brewer 2003)."""
-
-ENERGY_MARKS = {"kinetic": "#0072b2", "elastic": "#d55e00"}
+PAGE = "softffd.show.page"
+STILL = 80  # quality of the still picture (WebP), which is there where a browser cannot draw
 
 
 def write_view(result: Result, path: str | Path) -> Path:
@@ -53,190 +45,114 @@ def write_view(result: Result, path: str | Path) -> Path:
     return Path(path)
 
 
+def write_views(runs: Mapping[str, Result], path: str | Path, *, together: bool = False) -> Path:
+    """Write the page that plays several runs with one clock, one camera and the same scales to `path`; returns the path.
+
+    runs: by the names that they have in the page. Each has a picture of its own; together: all are in one, in the places that they have in
+    the world, as the components of a coupled run. Raises SoftffdError when positions of control points were not recorded.
+    """
+    if not runs:
+        raise SoftffdError("view: wanted one run or more, got none")
+    bodies = [Body(name, 0 if together else n, each, stage_of(each)) for n, (name, each) in enumerate(runs.items())]
+    title = (" and " if together else " beside ").join(runs)
+    write_text(path, _page(_in_one_view(bodies, together=together), title))
+    return Path(path)
+
+
 def page_text(result: Result) -> str:
     """The page itself, see write_view."""
-    stage = stage_of(result)
-    frames = _frames(stage.positions)
-    thinned = len(frames) < len(stage.time)
+    return _page([Body("", 0, result, stage_of(result))], result.title)
+
+
+def _in_one_view(bodies: Sequence[Body], *, together: bool) -> list[Body]:
+    """The bodies with stages of one size: each in its own place, or together in one of all."""
+    stages = [each.stage for each in bodies]
+    half = np.max([each.half for each in stages], axis=0)
+    if not together:
+        return [replace(each, stage=replace(each.stage, half=half)) for each in bodies]
+    low, high = np.min([each.centre - each.half for each in stages], axis=0), np.max([each.centre + each.half for each in stages], axis=0)
+    return [replace(each, stage=replace(each.stage, centre=(low + high) / 2, half=(high - low) / 2)) for each in bodies]
+
+
+def _page(bodies: Sequence[Body], title: str) -> str:
+    arrows = min((each.scale for each in bodies if each.scale), default=0.0)
+    scales = {name: _ends([each.cells[name].ends for each in bodies]) for name in _known_to_all(bodies)}
+    ends = [largest(each.stage, each.frames) for each in bodies]
     run = {
-        **scenery(stage, frames, result.loaded_mesh),
-        "note": f"{len(frames):,} of {len(stage.time):,} recorded frames are shown" if thinned else "",
-        "time": _text(stage.time[frames], "<f8"),
-        "positions": _text(to_flat(stage.positions[frames]) - stage.centre, "<f4"),
-        "rows": _rows(result, stage, frames),
-        "largest": largest(stage, frames),
-        "cells": [_cells(each) for each in cells_of(result, frames)],
-        "touch": _touch(result, stage, frames),
+        **sights([each.stage for each in bodies], title),
+        "note": "; ".join(filter(None, map(_thinned, bodies))),
+        "subtitle": " · ".join(map(subtitle, bodies)),
+        "rows": [row | {"body": n} for n, each in enumerate(bodies) for row in each.rows()],
+        "largest": {name: max(each[name] for each in ends) for name in ends[0]},
+        "cells": [about(cells, scales[name]) for name, cells in bodies[0].cells.items() if name in scales],
+        "bodies": [each.held(scales, arrows) for each in bodies],
     }
-    return page_of(run, source=text_of("softffd.show", "view_recorded.js"))
+    return page_of(run, source=text_of(PAGE, "recorded.js"), stills=[each.result for each in bodies])
 
 
-def page_of(run: dict[str, Any], *, source: str, policy: str = "", style: str = "", panel: str = "", data: str = "") -> str:
-    """The page of what `view_drawing.js` calls the run, and of the script that makes its source; what else that needs: what scripts
-    may do, rules of style, controls, and elements with data."""
-    parts = {"source": source, "policy": policy, "style": style, "panel": panel, "data": data}
-    return filled("softffd.show", "view.html", parts | {"title": html.escape(run["title"]), "run": as_json(run)})
+def about(cells: Cells, ends: tuple[float, float]) -> dict[str, Any]:
+    """What the page says of a colour."""
+    return {"name": cells.name, "words": cells.words, "unit": cells.unit, "ends": ends}
+
+
+def _known_to_all(bodies: Sequence[Body]) -> list[str]:
+    return [name for name in bodies[0].cells if all(name in each.cells for each in bodies)]
+
+
+def _ends(ends: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    return min(low for low, _ in ends), max(high for _, high in ends)
+
+
+def _thinned(body: Body) -> str:
+    shown, count = len(body.frames), len(body.stage.time)
+    return f"{f'{body.name}: ' if body.name else ''}{shown:,} of {count:,} recorded frames are shown" if shown < count else ""
+
+
+def subtitle(body: Body) -> str:
+    """What there is of a run: its lattice, and its mesh."""
+    words, mesh = " × ".join(str(n) for n in body.stage.counts) + " control points", body.result.loaded_mesh
+    if mesh is not None:
+        words += f" · {mesh.name}: {len(mesh.vertices):,} vertices, {len(mesh.faces):,} triangles"
+    return f"{body.name}: {body.result.title}, {words}" if body.name else words
+
+
+def sights(stages: Sequence[Stage], title: str) -> dict[str, Any]:
+    """Where things are, relative to the stages' centres, so that single precision is enough anywhere in the world; colours."""
+    first = stages[0]
+    given = np.array([list(bytes.fromhex(colour)) for colour in RAMP])
+    places = np.linspace(0.1, 1.0, 64) * (len(RAMP) - 1)
+    ramp = np.stack([np.interp(places, np.arange(len(RAMP)), channel) for channel in given.T], axis=1)
+    return {
+        "title": title,
+        "half": first.half.tolist(),
+        "radius": first.radius,
+        "up": first.up.tolist(),
+        "view": first_sight(stages),
+        "spacing": round_length(first.radius / 2.5),
+        "free": FREE,
+        "fixed": PINNED,
+        "ramp": ramp.round().astype(int).ravel().tolist(),
+        "mark": MARK,
+        "outline": INK,
+    }
+
+
+def page_of(
+    run: dict[str, Any], *, source: str, stills: Sequence[Result], policy: str = "", style: str = "", panel: str = "", data: str = ""
+) -> str:
+    """The page of what `gl.js` calls the run, and of the script that makes its source. stills: of what pictures are there for
+    browsers that cannot draw. What else the source needs: what scripts may do, rules of style, controls, and elements with data."""
+    parts = {"source": source, "policy": policy, "style": style, "panel": panel, "data": data, "stills": "".join(map(_still, stills))}
+    return filled(PAGE, "view.html", parts | {"title": html.escape(run["title"]), "run": as_json(run)})
+
+
+def _still(result: Result) -> str:
+    stream = BytesIO()
+    run_picture(result).savefig(stream, format="webp", pil_kwargs={"quality": STILL})
+    data = base64.b64encode(stream.getvalue()).decode("ascii")
+    return f'<img alt="{html.escape(result.title)}: its telling moments" src="data:image/webp;base64,{data}">'
 
 
 def as_json(data: Any) -> str:
     """Data as a page holds them in an element `script`."""
     return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-
-
-def scenery(stage: Stage, frames: np.ndarray, mesh: Mesh | None) -> dict[str, Any]:
-    """What does not change: words, the surface at rest, colours, and where things are; of obstacles their poses in some frames, too."""
-    return {
-        **_words(stage, mesh),
-        **_surface(stage),
-        **_colours(stage),
-        **_sights(stage),
-        "counts": stage.counts,
-        "bases": [BASES.index(stage.basis) if n > 4 else 0 for n in stage.counts],
-        "pinned": stage.pinned.tolist(),
-        "planes": [_obstacle(plane, stage, frames) | {"floor": plane.is_floor} for plane in stage.planes],
-        "solids": [_obstacle(solid, stage, frames) | _form(solid.form) for solid in stage.solids],
-    }
-
-
-def _frames(positions: np.ndarray) -> np.ndarray:
-    """Which frames the page holds: all, or evenly chosen ones with the first and the last."""
-    count, points = len(positions), int(np.prod(positions.shape[1:4]))
-    most = max(2, min(MOST_FRAMES, int(MOST_POINT_BYTES / (12 * points))))
-    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-
-
-def _words(stage: Stage, mesh: Mesh | None) -> dict[str, Any]:
-    subtitle = " × ".join(str(n) for n in stage.counts) + " control points"
-    if mesh is not None:
-        subtitle += f" · {mesh.name}: {len(mesh.vertices):,} vertices, {len(mesh.faces):,} triangles"
-    return {"title": stage.title, "subtitle": subtitle}
-
-
-def _surface(stage: Stage) -> dict[str, Any]:
-    """Parameters (W, 3), normals and tints (W, 4) of which three count, places in pictures (W, 2), and triangles (F, 3).
-
-    Triangles with one picture follow each other: `parts` are pairs of a picture's number and how many there are.
-    """
-    source, normals, faces = split_at_creases(stage.vertices, stage.faces)
-    order = np.argsort(stage.skin.picture_of, kind="stable")
-    pictures, counts = np.unique(stage.skin.picture_of, return_counts=True)
-    places = zip(((stage.vertices[source] - stage.origin) / stage.size).T, stage.counts, strict=True)
-    return {
-        "cage": int(stage.is_cage),
-        "coordinates": _text(np.stack([parameter(t, n, stage.basis) for t, n in places], axis=1), "<f4"),
-        "normals": _text(np.pad(normals * 32767.0, ((0, 0), (0, 1))).round(), "<i2"),
-        "tints": _text(np.pad(stage.skin.tints[source] * 255.0, ((0, 0), (0, 1))).round(), "u1"),
-        "uv": _text(stage.skin.uv[source], "<f4"),
-        "triangles": _text(faces[order], "<u4"),
-        "parts": np.stack([pictures, counts], axis=1).tolist(),
-    }
-
-
-def _colours(stage: Stage) -> dict[str, Any]:
-    given = np.array([list(bytes.fromhex(colour)) for colour in RAMP])
-    places = np.linspace(0.1, 1.0, 64) * (len(RAMP) - 1)
-    ramp = np.stack([np.interp(places, np.arange(len(RAMP)), channel) for channel in given.T], axis=1)
-    return {
-        "free": FREE,
-        "fixed": PINNED,
-        "pictures": [_image(picture) for picture in stage.skin.pictures],
-        "ramp": ramp.round().astype(int).ravel().tolist(),
-    }
-
-
-def _image(texture: Picture) -> str:
-    """A texture as a PNG inside the page, at most 1024 pixels wide and high."""
-    small = texture.convert("RGB")
-    small.thumbnail((MOST_TEXELS, MOST_TEXELS))
-    stream = BytesIO()
-    small.save(stream, "PNG", optimize=True)
-    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode("ascii")
-
-
-def _sights(stage: Stage) -> dict[str, Any]:
-    """Where things are, relative to the stage's centre, so that single precision is enough anywhere in the world."""
-    return {
-        "origin": (stage.origin - stage.centre).tolist(),
-        "size": stage.size.tolist(),
-        "half": stage.half.tolist(),
-        "radius": stage.radius,
-        "up": stage.up.tolist(),
-        "view": VIEW,
-        "spacing": round_length(stage.radius / 2.5),
-    }
-
-
-def _obstacle(track: PlaneTrack | SolidTrack, stage: Stage, frames: np.ndarray) -> dict[str, Any]:
-    """Its name, its colour and its poses (T, 9): a point relative to the stage's centre [m], the unit normal, a unit tangent."""
-    poses = np.hstack([track.points - stage.centre, track.normals, track.tangents])[frames]
-    return {"name": track.name, "tint": track.tint, "poses": _text(poses, "<f4")}
-
-
-def _form(form: Form) -> dict[str, Any]:
-    """Vertices (V, 3) [m] along tangent, normal x tangent and normal, their normals (V, 3), and triangles (F, 3)."""
-    return {"vertices": _text(form.vertices, "<f4"), "normals": _text(form.normals, "<f4"), "triangles": _text(form.faces, "<u4")}
-
-
-def _touch(result: Result, stage: Stage, frames: np.ndarray) -> dict[str, Any]:
-    """Places touched (N, 3), as many of them as `counts` has for each frame; beginnings and ways of arrows (T, 3); all in m."""
-    touch = touch_of(result, stage)
-    places = [np.concatenate(touch.places(frame)) - stage.centre for frame in frames]
-    arrows = [
-        {"starts": _text((starts - stage.centre)[frames], "<f4"), "ways": _text(ways[frames], "<f4")}
-        for starts, ways in zip(touch.starts, touch.ways, strict=True)
-    ]
-    counts = [len(each) for each in places]
-    return {"places": _text(np.concatenate(places), "<f4"), "counts": counts, "arrows": arrows, "mark": MARK, "outline": INK}
-
-
-def _rows(result: Result, stage: Stage, frames: np.ndarray) -> list[dict[str, Any]]:
-    """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J]."""
-    marks = {each.name: hex_of(each.tint) for each in stage.obstacles}
-    rows = []
-    for part, force in reactions(result).items():
-        mark = marks.get(part.name, "var(--pin)") if part.is_obstacle else "var(--pin)"
-        rows.append(_row(part.name, "reaction", "N", mark, np.linalg.norm(force, axis=1)[frames], force[frames]))
-    recorded = energies(result)
-    for name, mark in ENERGY_MARKS.items():
-        if name in recorded:
-            rows.append(_row(name, "energy", "J", mark, recorded[name][frames]))
-    return rows
-
-
-def _row(label: str, kind: str, unit: str, mark: str, values: np.ndarray, vectors: np.ndarray | None = None) -> dict[str, Any]:
-    texts = {"label": label, "kind": kind, "unit": unit, "mark": mark}
-    return texts | {"values": _text(values, "<f4"), "vectors": None if vectors is None else _text(vectors, "<f4")}
-
-
-def hex_of(tint: Tint) -> str:
-    """The colour of an obstacle's words and curves."""
-    return "#" + "".join(f"{round(255 * 0.8 * c):02x}" for c in tint)
-
-
-def largest(stage: Stage, frames: np.ndarray) -> dict[str, float]:
-    """Ends of the colour scales, which 1 % of the worst frame's samples exceed: displacement [m], Green strain."""
-    chosen = np.linspace(0, len(stage.vertices) - 1, min(len(stage.vertices), SAMPLES)).astype(int)
-    samples = stage.vertices[chosen]
-    few = stage.positions[frames[:: max(1, len(frames) // 100)]]
-    box: dict[str, Any] = {"origin": stage.origin, "size": stage.size, "basis": stage.basis}
-    moved = deform(samples, few, **box)
-    nudge = 1e-4 * stage.size * np.where(samples > stage.origin + stage.size / 2, -1.0, 1.0)
-    nudged = [deform(samples + nudge * axis, few, **box) for axis in np.eye(3)]
-    gradient = np.stack([(n - moved) / nudge[:, [a]] for a, n in enumerate(nudged)], axis=-1)
-    green = (np.einsum("tvab,tvac->tvbc", gradient, gradient) - np.eye(3)) / 2
-    sizes = {"displacement": np.linalg.norm(moved - samples, axis=2), "strain": np.linalg.norm(green, axis=(2, 3))}
-    return {name: float(np.quantile(size, 0.99, axis=1).max()) for name, size in sizes.items()}
-
-
-def _cells(cells: Cells) -> dict[str, Any]:
-    """Shares of the scale in 255 and whether a cell is inverted (T, cells, 2), x running fastest."""
-    low, high = cells.ends
-    known = np.isfinite(cells.values)
-    shares = np.where(known, (np.where(known, cells.values, low) - low) / (high - low), 0.0)
-    both = np.stack([255.0 * shares.clip(0, 1), 255.0 * ~known], axis=-1).round()
-    texts = {"name": cells.name, "words": cells.words, "unit": cells.unit, "ends": cells.ends}
-    return texts | {"values": _text(both.transpose(0, 3, 2, 1, 4), "u1")}
-
-
-def _text(values: ArrayLike, kind: str) -> str:
-    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")

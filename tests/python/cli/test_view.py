@@ -4,10 +4,14 @@ import os
 from pathlib import Path
 
 import pytest
+from fmpy.ssp.simulation import simulate_ssp
+from fmpy.util import write_csv
 
+from pages import whole_run_of
 from scenes import box
-from softffd import simulate
+from softffd import simulate, write_ssp
 from softffd.cli.command import main
+from softffd.run.replay import replay_system
 
 
 @pytest.fixture
@@ -38,3 +42,30 @@ def test_one_file_of_a_result_has_its_page_beside_it(opened):
 def test_what_holds_no_result_is_refused(opened, capsys, what):
     assert main(["view", what]) == 1
     assert f"softffd: {what}: wanted a folder that softffd run wrote" in capsys.readouterr().err and not opened
+
+
+def test_several_runs_have_one_page_under_their_names(opened, capsys):
+    for name in ("softffd-b", "c.npz"):
+        simulate(box(points=[2, 2, 2], title=name, stop_time=0.02)).save(name)
+    assert main(["view", "softffd-b", "c.npz"]) == 0
+    page = Path("b-c.html")
+    assert "<title>b beside c</title>" in page.read_text() and opened == [page.resolve().as_uri()]
+    assert main(["view", "softffd-b", "c.npz"]) == 1 and "--overwrite" in capsys.readouterr().err
+    assert main(["view", "softffd-b", "c.npz", "--ssp", "-o", "one.html"]) == 0 and "<title>b and c</title>" in Path("one.html").read_text()
+    assert main(["view", "kept", "--ssp"]) == 1 and "--ssp: wanted with two runs or more" in capsys.readouterr().err
+
+
+def test_the_soft_bodies_of_a_system_run_again_with_what_a_host_recorded(opened, capsys):
+    lid = {"name": "lid", "point": [0, 0, 0], "normal": [0, 0, -1], "motion": "input"}
+    low = box(lattice={"points": [2, 2, 2], "origin": [0, 0, -1]}, plane=[lid])
+    write_ssp("s.ssp", {"a": low, "b": low}, [("a.position[1,1,1].z", "b.plane.lid.point.z")], start_values={"b.damping": 0.25})
+    rows = simulate_ssp("s.ssp", stop_time=0.02, step_size=0.005)
+    write_csv("rows.csv", rows)
+    assert main(["view", "s.ssp", "rows.csv"]) == 0
+    run = whole_run_of(Path("s.html"))
+    assert [body["name"] for body in run["bodies"]] == ["a", "b"] and {body["pane"] for body in run["bodies"]} == {0}
+    assert replay_system(Path("s.ssp"), rows)["b"].parameters["damping"] == 0.25
+    for what, words in ((["s.ssp"], "wanted with it the CSV file"), (["kept/result.npz", "rows.csv"], "rows.csv")):
+        assert main(["view", *what, "-o", "x.html"]) == 1 and words in capsys.readouterr().err
+    Path("bad.ssp").write_text("no")
+    assert main(["view", "bad.ssp", "rows.csv"]) == 1 and "cannot be read as a system" in capsys.readouterr().err

@@ -153,6 +153,16 @@ def test_a_folder_with_other_things_is_not_taken_for_a_series(thrown, tmp_path):
     assert os.listdir(tmp_path) == ["run_ply"]
 
 
+@pytest.mark.parametrize(("name", "shown"), [("thrown", False), ("pressed", True)])
+def test_a_film_shows_the_lattice_when_asked_for_it_and_by_default_where_there_is_no_mesh(name, shown, request, tmp_path, monkeypatch):
+    monkeypatch.setitem(SIZES, ".gif", (160, 106, 20))
+    run, films = request.getfixturevalue(name), {}
+    for asked in (None, True, False):
+        run.export(tmp_path / "run.gif", frames=2, lattice=asked)
+        films[asked] = (tmp_path / "run.gif").read_bytes()
+    assert films[True] != films[False] and films[None] == films[shown]
+
+
 def test_what_cannot_be_is_refused(thrown, pressed, tmp_path):
     wrong = {"wanted a number > 0": {"tolerance": 0.0}, "single precision": {"tolerance": 1e-9}, "2 or more": {"frames": 1}}
     for said, keys in wrong.items():
@@ -160,6 +170,8 @@ def test_what_cannot_be_is_refused(thrown, pressed, tmp_path):
             thrown.export(tmp_path / "run.glb", **keys)
     with pytest.raises(SoftffdError, match="and with glb, got"):
         thrown.export(tmp_path / "run.pc2", tolerance=1e-3)
+    with pytest.raises(SoftffdError, match="lattice: wanted with gif, mp4, which are drawn, got pc2"):
+        thrown.export(tmp_path / "run.pc2", lattice=False)
     blind = replace(pressed, positions=np.full_like(pressed.positions, np.nan))
     with pytest.raises(SoftffdError, match="were not recorded"):
         blind.export(tmp_path / "run.glb")

@@ -26,7 +26,7 @@ def opened(tmp_path):
     def open_page(script: str = "") -> Browser:
         page = write_view(made_up_run(title="Ärger: 60 % <b>"), tmp_path / "view.html")
         page.write_text(page.read_text("utf-8").replace("<title>", f"<script>{script}</script><title>"), "utf-8")
-        browser = Browser(page, tmp_path, width=700, height=500, hash="#t=1.2")
+        browser = Browser(page, tmp_path, width=1000, height=600, hash="#t=1.2")
         browser.wait_for("typeof shown !== 'undefined' && shown !== null")
         return browser
 
@@ -40,7 +40,7 @@ def test_picture_and_film_are_files_with_the_background_named_after_title_and_ti
         name, kind, data = browser.wait_for("kept[0]")
         assert (name, kind) == ("Ärger_60_b_1.200s.png", "image/png")
         image = np.asarray(Image.open(BytesIO(base64.b64decode(data))))
-        assert image.shape[:2] == tuple(browser.ask("[canvas.height, canvas.width]")) and (image[..., 3] == 255).all()
+        assert image.shape[:2] == tuple(browser.ask("[canvas.height, element('readout').offsetLeft]")) and (image[..., 3] == 255).all()
         assert (image[..., 2].astype(int) - image[..., 0] > 60).mean() > 0.05 and (image[5, 5, :3] > 200).all()
         browser.key("v")
         assert browser.ask("[element('film').getAttribute('aria-pressed'), element('film').textContent.trim()]") == ["true", "Stop"]

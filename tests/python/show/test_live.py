@@ -21,6 +21,7 @@ from softffd.run.findings import reactions
 from softffd.show.live.described import Described
 from softffd.show.live.page import live_page, write_live
 from softffd.show.live.scene import is_recording, live_scene
+from softffd.show.skin import cage_surface
 from softffd.show.stage import stage_of
 
 HOST = Path(__file__).parents[2] / "support" / "hosts" / "live_in_node.mjs"
@@ -112,6 +113,47 @@ def test_a_recording_runs_natively_to_the_same_bits(tmp_path, pages, name):
         force = next(force for found, force in reactions(result).items() if found.name == row["label"])
         assert [last["outputs"][n] for n in row["at"]] == force[-1].tolist()
     assert any(values.any() for key, values in result.inputs.items() if key.startswith("force"))
+
+
+LED = {
+    "gravity": [0, 0, -9.81],
+    "plane": [{"name": "ground", "point": [0, 0, -0.01]}, {"name": "lid", "point": [0, 0, 1.05], "normal": [0.1, 0, -1]}],
+    "box": [{"name": "crate", "size": [0.4, 0.5, 0.6], "point": [1.3, 0.5, 0.5], "rotation": {"axis": [0, 1, 0], "degrees": 20}}],
+    "cylinder": [{"name": "roll", "radius": 0.1, "length": 2.0, "point": [-0.2, 0.5, 0.5], "normal": [0, 1, 0]}],
+    "sphere": [{"name": "ball", "radius": 0.2, "point": [0.5, -0.3, 0.5]}],
+    "pin": [{"name": "base", "points": [[0, 0, 0], [1, 0, 0]]}],
+    "load": [{"name": "push", "points": "x+"}],
+}
+
+
+def test_turns_and_loads_by_hand_run_natively_to_the_same_bits(tmp_path, pages):
+    """Every kind of obstacle and a pin, about an axis that is none of the world's, saved and restored on the way."""
+    save_mesh(Mesh(*cage_surface([0.02] * 3, [0.96] * 3, divisions=6)), tmp_path / "cube.obj")
+    scene = box(**LED, mesh={"file": tmp_path / "cube.obj"}, contact={"of": "surface"})
+    page = write_live(scene, tmp_path / "live.html")
+    live = live_of(page)
+    parts, long = parts_by_name(live), {"budget": 1e9}
+    assert {part["label"]: part["turns"] for part in live["open"]["parts"]} == {
+        "ground": "normal", "lid": "normal", "ball": None, "roll": "normal", "crate": "rotation", "base": "orientation"
+    }  # fmt: skip
+    turn = [np.cos(0.1), *(np.sin(0.1) * np.array([2, 3, 6]) / 7)]
+    messages, end = [], 0.0
+    for name in ("lid", "roll", "crate", "base", "ball"):
+        part, end = parts[name], end + 0.05
+        point = (np.array(live["open"]["parts"][part]["point"]) + 0.01).tolist()
+        messages += [{"run": end, "hand": {"part": part, "target": point, "turn": turn}, "loads": [[3.0 * end, 0.0, -1.0]], **long}]
+        messages += [{"save": True}] if name == "roll" else [{"run": end + 0.01, "hand": None, **long}]
+        end = messages[-1].get("run", end)
+    *_, last, recorded = in_node(page, [*messages, {"restore": True}, *messages[3:], {"recording": True}], tmp_path)
+    way, whole = np.array(last["turns"][parts["crate"]][1:]), np.array(turn[1:])
+    assert np.allclose(np.cross(way, whole), 0, atol=1e-12) and 0.5 < np.linalg.norm(way) / np.linalg.norm(whole) <= 1
+    assert last["turns"][parts["ball"]] == [1, 0, 0, 0]
+    (tmp_path / "recording.csv").write_text(recorded["recording"])
+    result = simulate(live_scene(scene), inputs=tmp_path / "recording.csv", stop_time=last["frame"], open_end=True)
+    shown = (result.positions[-1].transpose(2, 1, 0, 3).reshape(-1, 3) - live["open"]["centre"]).astype("f4")
+    assert (np.array(last["points"], "f4").reshape(-1, 3) == shown).all()
+    assert result.inputs["load.push.x"].max() > 0.5 and abs(result.inputs["box.crate.rotation.z"]).max() > 0.05
+    assert not result.summary["warnings"]
 
 
 def test_a_page_of_ten_thousand_triangles_is_below_two_megabytes(tmp_path):

@@ -4,16 +4,18 @@ import numpy as np
 import pytest
 
 from browser import Browser, require_browser
+from softffd import load_scene, simulate
 from softffd.cli.keep import run_scene_or_fmu
 from softffd.errors import SoftffdError
 from softffd.installed import wasm_library
 from softffd.show.live.page import write_live
+from softffd.show.live.scene import live_scene
 from softffd.show.tension import COLOURS
 
 ON_SCREEN = """(at => { const m = camera_matrix(camera_frame());
   const [x, y, , w] = [0, 1, 2, 3].map(r => m[r] * at[0] + m[4 + r] * at[1] + m[8 + r] * at[2] + m[12 + r]);
-  return [(x / w + 1) / 2 * canvas.clientWidth, (1 - y / w) / 2 * canvas.clientHeight]; })"""
-PRESS = "run.planes.find(plane => plane.name === 'press').now"
+  return [canvas.offsetLeft + (x / w + 1) / 2 * canvas.clientWidth, canvas.offsetTop + (1 - y / w) / 2 * canvas.clientHeight]; })"""
+PRESS = "bodies[0].planes.find(plane => plane.name === 'press').now"
 EDGE = f"plus({PRESS}.centre, 0.95 * {PRESS}.extent[0] * {PRESS}.reach, {PRESS}.tangent)"
 HEIGHT = "now.parts[live.open.parts.findIndex(part => part.label === 'press')][2]"
 
@@ -103,15 +105,15 @@ def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, pages):
     with Browser(pages("press"), tmp_path, width=390, height=844, mobile=True) as browser:
         ready(browser)
         assert not browser.ask("element('panel').open")
-        edge, lower = on_screen(browser, f"plus({PRESS}.centre, -0.6 * {PRESS}.extent[0] * {PRESS}.reach, {PRESS}.tangent)"), None
+        edge = on_screen(browser, EDGE)
         lower = [edge[0], edge[1] + 60]
         browser.touch("touchStart", edge)
         browser.touch("touchMove", lower)
         browser.wait_for(f"hand && {HEIGHT} < 1.0")
         distance = browser.ask("camera.distance")
-        browser.touch("touchStart", lower, [lower[0] + 80, lower[1]])
+        browser.touch("touchStart", lower, [lower[0] - 80, lower[1]])
         browser.wait_for("hand === null")
-        browser.touch("touchMove", [lower[0] - 40, lower[1]], [lower[0] + 120, lower[1]])
+        browser.touch("touchMove", [lower[0] + 40, lower[1]], [lower[0] - 120, lower[1]])
         browser.touch("touchEnd")
         assert browser.wait_for(f"camera.distance < {distance}")
         yaw = browser.ask("camera.yaw")
@@ -119,6 +121,56 @@ def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, pages):
         browser.touch("touchMove", [90, 640])
         browser.touch("touchEnd")
         assert browser.ask("camera.yaw") < yaw and browser.ask("hand") is None and not browser.errors
+
+
+@pytest.mark.full
+def test_loads_are_pulled_and_obstacles_turned_by_pointer_and_keys(tmp_path, pages):
+    scene = load_scene("press").replace({"load": [{"name": "push", "points": "x+"}]})
+    pages("press")  # the library is there
+    with Browser(write_live(scene, tmp_path / "live.html"), tmp_path, width=1000, height=700) as browser:
+        ready(browser)
+        browser.ask("set_playing(false)")
+        browser.wait_for("asked === null && shown !== null")
+        start = on_screen(browser, "place_of_load(0)")
+        tip = [start[0] + 80, start[1] - 40]
+        browser.drag(start, tip)
+        browser.mouse("mouseReleased", *tip)
+        force = np.array(browser.ask("loads[0]"))
+        assert 1 < np.linalg.norm(force) <= browser.ask("live.pull.most") and browser.ask("hand") is None
+        assert np.allclose(on_screen(browser, "plus(place_of_load(0), 1, arrow_of_load(0))"), tip, atol=2)
+        assert [float(each) for each in browser.ask("load_sliders[0].map(each => each.now)")] == force.tolist()
+        browser.ask("set_playing(true)")
+        browser.wait_for("now.frame > 0.1")
+        browser.ask("element('panel').open = true, [...element('grips').children].find(each => each.textContent === 'push').focus()")
+        browser.key("ArrowUp")
+        assert browser.ask("loads[0][2]") > force[2]
+        browser.ask(
+            "[...document.querySelectorAll('#sliders label')].find(each => each.textContent.startsWith('push y')).lastChild.focus()"
+        )
+        browser.key("ArrowRight")
+        assert browser.ask("loads[0][1]") != force[1]
+        edge = on_screen(browser, EDGE)
+        browser("Input.dispatchKeyEvent", type="keyDown", key="Control", modifiers=2)
+        browser.mouse("mousePressed", *edge, modifiers=2)
+        browser.mouse("mouseMoved", edge[0], edge[1] + 30, modifiers=2)
+        turn = browser.wait_for("hand?.turn")
+        assert turn[0] == pytest.approx(np.cos(0.12)) and browser.wait_for("now.turns[1][0] < 0.995")
+        browser.mouse("mouseReleased", *edge)
+        browser.ask("element('turning').click(), [...element('grips').children].find(each => each.textContent === 'press').focus()")
+        before = browser.ask("now.turns[1]")
+        browser.key("ArrowLeft", shift=True)
+        assert browser.wait_for(f"now.turns[1].some((x, n) => Math.abs(x - {before}[n]) > 0.05)")
+        assert browser.ask(f"{PRESS}.normal[2]") > -1
+        browser.key("Escape")
+        browser.ask("set_playing(false)")
+        browser.wait_for("asked === null")
+        shown = browser.ask("({ frame: now.frame, points: [...now.points], centre })")
+        browser.ask("keep_recording = text => { window.kept = text; }, element('record').click()")
+        (tmp_path / "recording.csv").write_text(browser.wait_for("window.kept"))
+        assert not browser.errors
+    result = simulate(live_scene(scene), inputs=tmp_path / "recording.csv", stop_time=shown["frame"], open_end=True)
+    native = (result.positions[-1].transpose(2, 1, 0, 3).reshape(-1, 3) - shown["centre"]).astype("f4")
+    assert (np.array(shown["points"], "f4").reshape(-1, 3) == native).all()
 
 
 @pytest.mark.full
@@ -131,7 +183,7 @@ def test_colours_of_cells_are_those_of_a_run(tmp_path, pages, name):
         browser.wait_for("asked === null && element('frame').textContent === 'paused'")
         browser.ask("hand = pull(weights_at([0.9, 0.9, 0.9]), [run.radius, 0, 0]), ask({ run: now.frame + 20 * h, budget: 1e9, hand })")
         browser.wait_for("asked === null && now.pull")
-        shares = [browser.ask(f"[...source.cells(run.cells[{n}])]") for n in range(2)]
+        shares = [browser.ask(f"[...source.cells({n})]") for n in range(2)]
         cells = browser.ask("run.cells")
         browser.ask("keep_recording = text => { window.kept = text; }, element('record').click()")
         (tmp_path / "recording.csv").write_text(browser.wait_for("window.kept"))

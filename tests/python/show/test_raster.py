@@ -83,6 +83,18 @@ def test_a_plane_darkens_under_the_object_and_not_far_from_it():
     assert under < 0.7 * beside
 
 
+def test_the_solid_side_of_a_plane_is_hatched_and_hides_little():
+    """By stripes on a fifth of it; black, so that what is seen is how much it covers."""
+    images = []
+    for height in (6.0, -6.0):
+        drawn = canvas(eye=(0.0, -10.0, height))
+        draw_plane(drawn, Patch(np.zeros(3), UP, EAST, np.array([0.0, 0.0, 0.0]), 6.0, 2.0, (0.0, 0.0, 0.0)))
+        at = drawn.project(np.column_stack([np.linspace(-1.9, 1.9, 200), np.full((200, 2), [0.3, 0.0])]))
+        images.append(1 - drawn.image()[(at[:, 1] / 2).astype(int), (at[:, 0] / 2).astype(int)].mean(axis=1) / 0.94)
+    front, back = images
+    assert np.median(front) > 0.55 and np.quantile(back, 0.3) < 0.15 and np.quantile(back, 0.95) > 0.28
+
+
 def test_each_surface_above_a_plane_casts_a_shadow_and_none_below_it():
     ground = Patch(np.zeros(3), UP, EAST, np.zeros(3), 6.0, 100.0, (0.6, 0.6, 0.6))
     faces, places = np.array([[0, 1, 2], [0, 2, 3]]), np.array([[-3.0, 0.0, 0.0], [0.0, 0.0, 0.0], [3.0, 0.0, 0.0]])

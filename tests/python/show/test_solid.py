@@ -9,6 +9,7 @@ from made_up_run import ORIGIN, SIZE, made_up_run, with_solids
 from softffd.scene.rigid import Box, Cylinder, Sphere
 from softffd.scene.section import Rotation
 from softffd.show.panel import Panels
+from softffd.show.raster_plane import draw_plane
 from softffd.show.solid import form_of
 from softffd.show.stage import BESIDE, FREE, OBSTACLES, stage_of
 from softffd.show.touch import touch_of
@@ -125,3 +126,15 @@ def test_vertices_on_a_solid_touch_and_arrows_begin_at_the_centre_of_pressure():
     assert len(touch.places(40)[0]) == 16 and len(touch.places(0)[0]) == 0
     ((start, end),) = touch.arrows(40)
     assert start == pytest.approx([0.1, 0.2, ORIGIN[2]], abs=1e-6) and end[2] < start[2] - 0.1 * np.linalg.norm(SIZE)
+
+
+@SOLIDS
+def test_a_solid_casts_a_shadow_on_the_ground_of_a_picture(solid, monkeypatch):
+    """It alone: the solid itself is not drawn."""
+    stage = stage_of(with_solids(made_up_run(), solid.model_copy(update={"point": (-1.6, -0.4, 1.4)})))
+    panels = Panels(replace(stage, planes=stage.planes[:1]), [0], 150, 100)
+    monkeypatch.setattr("softffd.show.panel.draw_solid", lambda *_, **__: None)
+    shaded = panels.image(0)
+    monkeypatch.setattr("softffd.show.panel.draw_plane", lambda canvas, patch, surfaces: draw_plane(canvas, patch, surfaces=surfaces[:1]))
+    darker = (panels.image(0) - shaded).mean(axis=-1)
+    assert (darker > 0.02).sum() > 40 and darker.min() > -1e-3

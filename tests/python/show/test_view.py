@@ -1,6 +1,7 @@
 import base64
 import html
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,13 +10,13 @@ from PIL import Image
 
 from made_up_run import ORIGIN, SIZE, made_up_run, with_mesh, with_solids
 from mesh_files import GREEN, RED
-from pages import decoded, page_of_two_colours, run_of
+from pages import decoded, page_of_two_colours, run_of, whole_run_of
 from softffd.errors import SoftffdError
 from softffd.mesh.mesh import Mesh
 from softffd.scene.rigid import Box, Sphere
-from softffd.show import view
+from softffd.show import view_body
 from softffd.show.skin import cage_surface
-from softffd.show.view import write_view
+from softffd.show.view import write_view, write_views
 
 
 def test_page_needs_nothing_from_outside(tmp_path):
@@ -85,7 +86,7 @@ def test_a_long_run_is_thinned_evenly_with_its_ends_and_says_so(tmp_path):
 
 
 def test_a_large_lattice_gets_fewer_frames(monkeypatch, tmp_path):
-    monkeypatch.setattr(view, "MOST_POINT_BYTES", 12 * 8 * 10)
+    monkeypatch.setattr(view_body, "MOST_POINT_BYTES", 12 * 8 * 10)
     assert run_of(write_view(made_up_run(counts=(2, 2, 2)), tmp_path / "v.html"))["note"].startswith("10 of 41")
 
 
@@ -108,8 +109,8 @@ def test_a_texture_travels_in_the_page_no_larger_than_needed(tmp_path):
     assert run["pictures"][0].startswith("data:image/png;base64,")
     (tmp_path / "texture.png").write_bytes(base64.b64decode(run["pictures"][0].partition(",")[2]))
     assert Image.open(tmp_path / "texture.png").width == 1024
-    places = decoded(run["coordinates"], "<f4", 3) * SIZE + ORIGIN
-    assert np.allclose(decoded(run["uv"], "<f4", 2), places[:, :2], atol=1e-6)
+    places = run["coordinates"] * SIZE + ORIGIN
+    assert np.allclose(run["uv"], places[:, :2], atol=1e-6)
 
 
 @pytest.mark.parametrize(("name", "pictures"), [("kd.obj", 0), ("pictures.obj", 2), ("vertices.glb", 0), ("faces.ply", 0)])
@@ -117,8 +118,8 @@ def test_a_page_holds_the_colours_of_the_mesh(name, pictures, tmp_path):
     run = page_of_two_colours(tmp_path, name)[0]
     assert len(run["pictures"]) == pictures
     assert run["parts"] == ([[0, 12], [1, 12]] if pictures else [[-1, 24]])
-    tints, faces = decoded(run["tints"], "u1", 4)[:, :3] / 255, decoded(run["triangles"], "<u4", 3).astype(int)
-    heights = decoded(run["coordinates"], "<f4", 3)[:, 2]
+    tints, faces = run["tints"] / 255, run["triangles"]
+    heights = run["coordinates"][:, 2]
     upper = heights[faces].mean(axis=1) > 0.5
     wanted = np.ones((24, 3)) if pictures else np.where(upper[:, None], GREEN, RED)
     assert np.allclose(tints[faces], wanted[:, None], atol=0.02)  # a byte of light in glTF
@@ -169,3 +170,17 @@ def test_the_scale_has_the_colours_of_its_map(tmp_path):
     ramp = np.array(run_of(write_view(made_up_run(), tmp_path / "view.html"))["ramp"]).reshape(-1, 3)
     wanted = 255 * colormaps["YlGnBu"](np.linspace(0.1, 1.0, len(ramp)))[:, :3]
     assert np.abs(ramp - wanted).max() < 2.3  # matplotlib has steps of 1/256 of the map, in which a channel changes by up to 2.2
+
+
+def test_runs_side_by_side_have_the_same_scales(tmp_path):
+    """Of the second the forces are a quarter, and the strains half."""
+    one, other = made_up_run(), made_up_run()
+    other = replace(other, outputs={name: values / 4 if "reaction" in name else values for name, values in other.outputs.items()})
+    other.positions[:] = (other.positions + other.positions[0]) / 2
+    run = whole_run_of(write_views({"a": one, "b": other}, tmp_path / "both.html"))
+    alone = run_of(write_view(one, tmp_path / "one.html"))
+    assert run["largest"] == alone["largest"] and run["cells"][0]["ends"] == alone["cells"][0]["ends"]
+    longest = [np.abs(decoded(body["touch"]["arrows"][0]["ways"], "<f4", 3)).max() for body in run["bodies"]]
+    assert np.isclose(longest[0], 2 * longest[1]) and [body["pane"] for body in run["bodies"]] == [0, 1]
+    stress = [decoded(body["cells"][0], "u1", 2)[:, 0].max() for body in run["bodies"]]
+    assert stress[0] == 255 and 0 < stress[1] < 200

@@ -1,13 +1,13 @@
 // ---- colours of the cells: von Mises stress and largest principal stretch at their centres, by the formulas of run/stress.py -----------
-const CELLS = run.counts.map(n => n - 1), SIDES = run.size.map((side, a) => side / CELLS[a]), VOLUME = SIDES[0] * SIDES[1] * SIDES[2];
+const CELLS = body.counts.map(n => n - 1), SIDES = body.size.map((side, a) => side / CELLS[a]), VOLUME = SIDES[0] * SIDES[1] * SIDES[2];
 const WAYS = [];                                         // springs from a point to half of its neighbours, in numbers of cells
 for (const x of [-1, 0, 1]) for (const y of [-1, 0, 1]) for (const z of [-1, 0, 1]) if (9 * x + 3 * y + z > 0) WAYS.push([x * SIDES[0], y * SIDES[1], z * SIDES[2]]);
 
 // For the cells along each axis: the control points that count at their centres, their weights, and their slopes by the place at rest.
-const centres = run.counts.map((n, a) => Array.from({ length: n - 1 }, (_, cell) => {
-  if (run.bases[a] !== 2 && !live.solid) return [[cell, 0.5, -1 / SIDES[a]], [cell + 1, 0.5, 1 / SIDES[a]]];
-  const e = 1e-4, [at, ahead, behind] = [0, e, -e].map(d => along(run.bases[a] === 2 ? (cell + 0.5) / 3 + d : (cell + 0.5) / (n - 1) + d, n, run.bases[a]));
-  const length = run.size[a] / (run.bases[a] === 2 ? n / 3 | 0 : 1);
+const centres = body.counts.map((n, a) => Array.from({ length: n - 1 }, (_, cell) => {
+  if (body.bases[a] !== 2 && !live.solid) return [[cell, 0.5, -1 / SIDES[a]], [cell + 1, 0.5, 1 / SIDES[a]]];
+  const e = 1e-4, [at, ahead, behind] = [0, e, -e].map(d => along(body.bases[a] === 2 ? (cell + 0.5) / 3 + d : (cell + 0.5) / (n - 1) + d, n, body.bases[a]));
+  const length = body.size[a] / (body.bases[a] === 2 ? n / 3 | 0 : 1);
   return at.map((w, p) => [p, w, (ahead[p] - behind[p]) / (2 * e * length)]).filter(([, w, d]) => w || d);
 }));
 // F, row by row.

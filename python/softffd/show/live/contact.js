@@ -4,17 +4,17 @@ let touching = null, touched = new Float32Array(0);
 
 // What obstacles meet, by its parameters in the volume; null: the control points themselves.
 function places_met() {
-  if (live.meets === "surface") return decode(run.coordinates, Float32Array);
-  if (!run.bases.includes(2)) return null;
+  if (live.meets === "surface") return body.surface.coordinates;
+  if (!body.bases.includes(2)) return null;
   const nodes = [];                                    // of a solid: thirds of patches
   for (let k = 0; k < NZ; k++) for (let j = 0; j < NY; j++) for (let i = 0; i < NX; i++)
-    nodes.push(...[i, j, k].map((m, a) => run.bases[a] === 2 ? m / 3 : m / (run.counts[a] - 1)));
+    nodes.push(...[i, j, k].map((m, a) => body.bases[a] === 2 ? m / 3 : m / (body.counts[a] - 1)));
   return nodes;
 }
 function prepare_touch() {
   const places = places_met();
   if (!places) return { count: POINTS, at: p => now.points.subarray(3 * p, 3 * p + 3) };
-  const width = run.counts.reduce((product, n, a) => product * (run.bases[a] ? 4 : n), 1), every = Math.ceil(places.length / 3 * width / MOST_WEIGHTS);
+  const width = body.counts.reduce((product, n, a) => product * (body.bases[a] ? 4 : n), 1), every = Math.ceil(places.length / 3 * width / MOST_WEIGHTS);
   const count = Math.floor(places.length / 3 / every), which = new Uint16Array(count * width), weights = new Float64Array(count * width);
   for (let n = 0; n < count; n++) weights_at([...places.slice(3 * n * every, 3 * n * every + 3)]).forEach(([p, w], i) => { which[n * width + i] = p; weights[n * width + i] = w; });
   return { count, at(n) {
@@ -26,24 +26,12 @@ function prepare_touch() {
     return [x, y, z];
   } };
 }
-const BEYOND = {
-  sphere: (at, [x]) => [Math.hypot(...at) - x / 2],
-  cylinder: ([x, y, z], size) => [Math.hypot(x, y) - size[0] / 2, Math.abs(z) - size[2] / 2],
-  box: (at, size) => at.map((x, a) => Math.abs(x) - size[a] / 2),
-};
-// Signed distance of a place from an obstacle [m], negative inside.
-function gap({ now: { anchor, normal, tangent } }, solid, at) {
-  const off = plus(at, -1, anchor);
-  if (!solid) return dot(off, normal);
-  const beyond = BEYOND[solid.kind]([dot(off, tangent), dot(off, cross(normal, tangent)), dot(off, normal)], solid.size);
-  return Math.hypot(...beyond.map(b => Math.max(b, 0))) + Math.min(Math.max(...beyond), 0);
-}
 function find_touched() {
   touching ||= prepare_touch();
-  const found = [], pressed = obstacles.filter((_, m) => run.touch.arrows[m].force.some(i => now.outputs?.[i]));
+  const found = [], pressed = obstacles.filter((_, m) => body.touch.arrows[m].force.some(i => now.outputs?.[i]));
   for (let n = 0; pressed.length && n < touching.count; n++) {
     const at = touching.at(n);
-    if (pressed.some(each => Math.abs(gap(each, live.solids[run.solids.indexOf(each)], at)) <= live.near)) found.push(at);
+    if (pressed.some(each => Math.abs(gap(each, at)) <= live.near)) found.push(at);
   }
   const few = Math.min(found.length, MOST_MARKED);
   touched = Float32Array.from(Array.from({ length: few }, (_, n) => [...found[Math.floor(n * found.length / few)]]).flat());

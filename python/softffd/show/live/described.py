@@ -18,9 +18,10 @@ from softffd.scene.scene import Scene
 from softffd.scene.springs import cell_stiffness
 from softffd.show.live.scene import RECORDED
 from softffd.show.stage import Stage
-from softffd.show.view import ENERGY_MARKS, hex_of
+from softffd.show.view_body import ENERGY_MARKS, hex_of
 
 MOST_SPEED = 3.0  # of what is dragged: sizes of the object per second
+MOST_TURN = 3.0  # of what is turned, rad/s
 MOST_PULL = 10.0  # of the object's weights
 PROBED = "#009e73"
 """Colour of what probes tell"""
@@ -57,9 +58,15 @@ class Described:
         return [self._reference[name] for name in names]
 
     def opened(self) -> dict[str, Any]:
-        """What the worker opens the component with. Of the inputs those of obstacles and pins come first, then forces [N] on the points."""
+        """What the worker opens the component with. Of the inputs those of obstacles and pins come first, then loads [N], then forces [N]
+        on the points."""
         points = list(all_points(self.scene.lattice.points))
         moving, parts = self._parts()
+        loads = []
+        for load in self.scene.load:
+            held, names = self.scene.select(load.points).tolist(), vector_names("load", load.name)
+            loads.append({"label": load.name, "at": len(moving), "points": held, "start": [self._start[name] for name in names]})
+            moving += names
         inputs = [*moving, *variable_names("force", points)]
         return {
             "scene": self.texts[f"resources/{NAME}"].decode(),
@@ -68,7 +75,9 @@ class Described:
             "recorded": f"{RECORDED}: {' '.join(self.scene.title.split())}",
             "centre": self.stage.centre.tolist(),
             "most_speed": MOST_SPEED * self.size,
+            "most_turn": MOST_TURN,
             "parts": parts,
+            "loads": loads,
             "names": inputs,
             "inputs": self._references(inputs),
             "starts": [self._start[name] for name in inputs],
@@ -79,18 +88,24 @@ class Described:
         }
 
     def _parts(self) -> tuple[list[str], list[dict[str, Any]]]:
-        """The inputs of obstacles and pins that a hand moves, and of each of these where its point [m] and velocity [m/s] are among them,
-        how both start, and the control points that a pin holds."""
+        """The inputs of obstacles and pins that a hand moves, and of each of these where its point [m], its turn, and both velocities [m/s,
+        rad/s] are among them, how they start, and the control points that a pin holds."""
         inputs: list[str] = []
         parts = []
         for each in (*self.scene.obstacles, *self.scene.pin):
             if each.motion == "input":
-                keys = ("plane_point", "plane_velocity") if each.part.is_obstacle else ("pin_position", "pin_velocity")
-                point, velocity = (vector_names(key, each.part) for key in keys)
-                starts = {"point": [self._start[name] for name in point], "drift": [self._start[name] for name in velocity]}
+                place, *turns, velocity, spin = each.POSE
+                family = "plane" if each.part.is_obstacle else "pin"
+                names = {word: vector_names(f"{family}_{word}", each.part) for word in each.POSE}
+                at, first = {}, len(inputs)
+                for word in each.POSE:
+                    at[word] = len(inputs)
+                    inputs += names[word]
+                starts = {word: [self._start[name] for name in names[word]] for word in each.POSE}
                 held = self.scene.select(each.points).tolist() if isinstance(each, Pin) else []
-                parts.append({"label": each.name, "at": len(inputs), "speed": len(inputs) + 3, "held": held} | starts)
-                inputs += [*point, *velocity]
+                part = {"label": each.name, "held": held, "at": first, "point": starts[place]}
+                part |= {"speed": at[velocity], "drift": starts[velocity], "spins": at[spin], "turns": next(iter(turns), None)}
+                parts.append(part | {what: value for word in turns for what, value in {"turned": at[word], "axis": starts[word]}.items()})
         return inputs, parts
 
     def rows(self) -> list[dict[str, Any]]:

@@ -1,7 +1,8 @@
 """The live page: one HTML file with the renderer of the replay, the component in WebAssembly, and a worker that steps it.
 
-`worker.js` steps the component, `source.js` keeps the page's clock, `hand.js` finds what is under the pointer, `contact.js` what touches;
-`cells.js` has the colours of stress, `panel.js` the controls. Of the scene's variables they know what `described.py` writes.
+`worker.js` steps the component, `source.js` keeps the page's clock, `hand.js` finds what is under the pointer, `turning.js` has turns,
+`contact.js` what touches, `cells.js` the colours of stress, `panel.js` the controls. Of the scene's variables they know what `described.py`
+writes.
 """
 
 from __future__ import annotations
@@ -24,13 +25,15 @@ from softffd.scene.scene import Scene, scene_of
 from softffd.show.live.described import Described
 from softffd.show.live.scene import live_scene
 from softffd.show.stage import GLANCES, stage_of
+from softffd.show.surface import PLACE_BITS
 from softffd.show.template import text_of
 from softffd.show.tension import cells_of
-from softffd.show.touch import INK, LONGEST, MARK, NEAR
-from softffd.show.view import as_json, largest, page_of, scenery
+from softffd.show.touch import LONGEST, NEAR
+from softffd.show.view import about, as_json, page_of, sights, subtitle
+from softffd.show.view_body import Body, largest, scenery
 
 HERE = "softffd.show.live"
-SCRIPTS = ("source.js", "hand.js", "contact.js", "panel.js", "cells.js")
+SCRIPTS = ("turning.js", "source.js", "hand.js", "contact.js", "panel.js", "cells.js")
 LEAST_SCALE = 0.1  # end of a colour scale: strain, or share of the object's size
 
 
@@ -55,14 +58,15 @@ def live_page(scene: Scene, result: Result, library: bytes) -> str:
     stage = stage_of(result)
     frames = np.unique(np.linspace(0, len(stage.time) - 1, GLANCES).astype(int))
     described = Described(live_scene(scene), stage)
-    size, scales = float(stage.size.max()), largest(stage, frames)
+    size, diagonal, scales = float(stage.size.max()), float(np.linalg.norm(stage.size)), largest(stage, frames)
     run = {
-        **scenery(stage, np.array([0]), scene.loaded_mesh),
+        **sights([stage], stage.title),
+        "subtitle": subtitle(Body("", 0, result, stage)),
         "note": "",
-        "rows": described.rows(),
+        "rows": [row | {"body": 0} for row in described.rows()],
         "largest": {"displacement": max(scales["displacement"], LEAST_SCALE * size), "strain": max(scales["strain"], LEAST_SCALE)},
-        "cells": [{"name": each.name, "words": each.words, "unit": each.unit, "ends": each.ends} for each in cells_of(result, frames)],
-        "touch": {"mark": MARK, "outline": INK, "arrows": described.arrows(), "longest": LONGEST * float(np.linalg.norm(stage.size))},
+        "cells": [about(each, each.ends) for each in cells_of(result, frames)],
+        "bodies": [scenery(stage, np.array([0])) | {"touch": {"arrows": described.arrows(), "longest": LONGEST * diagonal}}],
     }
     live = {
         "probes": described.probes(),
@@ -72,20 +76,20 @@ def live_page(scene: Scene, result: Result, library: bytes) -> str:
         "masses": [float(f"{each:.6g}") for each in described.masses],
         "weight": described.weight,
         "start": (to_flat(stage.positions[:1])[0] - stage.centre).round(6).ravel().tolist(),
-        "near": 3 * NEAR * float(np.linalg.norm(stage.size)),
+        "near": (3 * NEAR + 0.5**PLACE_BITS) * diagonal,
         "meets": scene.contact.of,
-        "solids": [{"kind": each.part.kind, "size": each.shape().size} for each in scene.solids],
         "command": f"softffd run {shlex.quote(scene.name if scene.path.parent == SHIPPED else scene.path.name)} --input",
         "open": described.opened(),  # last: by now it has all that the others are about
     }
     texts = {
         "wasm": base64.b64encode(gzip.compress(library, 9, mtime=0)).decode("ascii"),
-        "worker": text_of("softffd.show", "live_component.js") + text_of(HERE, "worker.js"),
+        "worker": text_of("softffd.show", "live_component.js") + text_of(HERE, "turning.js") + text_of(HERE, "worker.js"),
     }
     blocks = [f'<script type="text/plain" id="{name}">{text}</script>\n' for name, text in texts.items()]
     return page_of(
         run,
         source="".join(text_of(HERE, script) for script in SCRIPTS),
+        stills=[result],
         policy=" 'wasm-unsafe-eval'; worker-src blob:",
         style=text_of(HERE, "live.css"),
         panel=text_of(HERE, "panel.html"),

@@ -25,7 +25,7 @@ def live_scene(scene: Scene) -> Scene:
     changes: dict[str, object] = {"inputs.forces": "all", "outputs.positions": "all", "outputs.reactions": True, "outputs.energy": True}
     for part in (*scene.obstacles, *scene.pin):
         if not np.any(getattr(part, "angular_velocity", 0.0)):
-            changes |= {f"{part.part}.motion": "input", f"{part.part}.inputs": None}
+            changes |= {f"{part.part}.motion": "input", f"{part.part}.inputs": list(part.POSE)}
             if part.motion == "input" and part.part.is_obstacle:
                 changes[f"{part.part}.velocity"] = None
     step = min(scene.experiment.communication_step, STEP)

@@ -1,7 +1,8 @@
 // ---- the source of what is simulated now: a worker steps the component, the page keeps the clock --------------------
 const live = JSON.parse(element("live").textContent), { h, centre } = live.open, WINDOW = 5;   // s that curves show
-let now = { frame: 0, points: Float32Array.from(live.start), outputs: null, parts: live.open.parts.map(part => part.point), pull: null, at: null };
-let worker, asked = {}, owed = 0, failed = false, hand = null, largest_force = live.weight || 1e-9, looked_at = null, drawn = 0, telling;
+const [body] = bodies, { obstacles, points: POINTS } = body, [NX, NY, NZ] = body.counts;
+let now = { frame: 0, points: Float32Array.from(live.start), outputs: null, parts: live.open.parts.map(part => part.point), turns: live.open.parts.map(() => UNTURNED), pull: null, at: null };
+let worker, asked = {}, owed = 0, failed = false, hand = null, loads = live.open.loads.map(load => load.start), largest_force = live.weight || 1e-9, looked_at = null, drawn = 0, telling;
 const waiting_messages = [], pace = { clock: 0, time: 0, now: 1 };
 for (const each of obstacles) each.pose = [...decode(each.poses, Float32Array)];
 
@@ -12,19 +13,20 @@ const source = {
   moves: true,
   points: () => now.points,
   pose(each) {
-    const n = part_of(each);
-    return Float32Array.from(n < 0 ? each.pose : [...now.parts[n].map((x, a) => x - centre[a]), ...each.pose.slice(3)]);
+    const n = part_of(each), turn = now.turns[n], { pose } = each;
+    return Float32Array.from(n < 0 ? pose : [...held_at(n), ...turned(turn, pose.slice(3, 6)), ...turned(turn, pose.slice(6))]);
   },
-  cells: each => cell_shares(each),
+  cells: n => cell_shares(run.cells[n]),
   touch() {
     const arrows = [];
     if (now !== looked_at) { find_touched(); looked_at = now; }
-    if (now.outputs) for (const { force, centre: at } of run.touch.arrows) {
+    if (now.outputs) for (const { force, centre: at } of body.touch.arrows) {
       const f = force.map(i => now.outputs[i]), size = Math.hypot(...f);
-      if (size > 1e-3 * largest_force) arrows.push([at.map((i, a) => now.outputs[i] - centre[a]), f.map(x => x / size * run.touch.longest * Math.sqrt(size / largest_force))]);
+      if (size > 1e-3 * largest_force) arrows.push([at.map((i, a) => now.outputs[i] - centre[a]), f.map(x => x / size * body.touch.longest * Math.sqrt(size / largest_force))]);
     }
-    if (now.at && hand) { const at = now.at.map((x, a) => x - centre[a]); arrows.push([at, hand.target.map((x, a) => x - centre[a] - at[a]), [0, 0.62, 0.45]]); }
-    return { places: touched, arrows };
+    if (now.at && hand) { const at = now.at.map((x, a) => x - centre[a]); arrows.push([at, hand.target.map((x, a) => x - centre[a] - at[a]), HANDLE]); }
+    loads.forEach((_, n) => arrows.push([place_of_load(n), arrow_of_load(n), HANDLE]));
+    return { places: touched, arrows, handles: Float32Array.from(loads.flatMap((_, n) => place_of_load(n))) };
   },
   values(row) {
     if (!now.outputs) return [0, null];
@@ -38,9 +40,9 @@ const source = {
   begin() {
     element("timeline").hidden = true;
     for (const { parts } of run.rows) parts.cursor.remove();
-    element("hint").textContent = "drag a plate, a solid, a pin or the object: move it · beside: turn · wheel: zoom · right drag: move · space: play · ?: all keys";
+    element("hint").textContent = "drag a plate, a solid, a pin, a load or the object: move it · Ctrl: turn it · beside: turn · wheel: zoom · right drag: move · space: play · ?: all keys";
     begin_panel();
-    if (gl) load();
+    load();
   },
   switched() { pace.clock = 0; shown = null; },          // between playing and paused
   follow() {
@@ -52,7 +54,7 @@ const source = {
   // A worker that is late makes time go slower: what it owes is forgotten.
   advance(passed) {
     owed = Math.min(owed + passed * state.speed, Math.max(0.1 * state.speed, 2 * h));
-    if (!asked && owed >= h) ask({ run: now.frame + owed, budget: 14, hand });
+    if (!asked && owed >= h) ask({ run: now.frame + owed, budget: 14, hand, loads });
   },
   step(count) {
     if (count > 0) ask({ one_step: true });
@@ -66,10 +68,9 @@ function size_of(row, vector) {
 
 // ---- the worker: one request at a time ------------------------------------------------------------------------------
 async function load() {
-  if (!globalThis.WebAssembly || !globalThis.DecompressionStream) return say_instead("This page simulates with WebAssembly, and needs a browser of 2023 or later.");
+  if (!globalThis.WebAssembly) return say_instead("This page simulates with WebAssembly, which this browser does not offer; so it shows a still picture.");
   try {
-    const packed = Uint8Array.from(atob(element("wasm").textContent.trim()), c => c.charCodeAt(0));
-    const wasm = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+    const wasm = (await opened(element("wasm").textContent)).buffer;
     worker = new Worker(URL.createObjectURL(new Blob([element("worker").textContent], { type: "text/javascript" })));
     worker.onmessage = hear;
     worker.onerror = e => stop(e.message || "the worker could not start");
@@ -81,7 +82,7 @@ function ask(message) {
   if (failed && !message.again) return;
   if (asked) { if (!("run" in message)) waiting_messages.push(message); return; }
   if (message.again) failed = false;
-  asked = message.one_step ? { run: now.frame + h, budget: 0, hand } : message;
+  asked = message.one_step ? { run: now.frame + h, budget: 0, hand, loads } : message;
   worker.postMessage(asked, message.wasm ? [message.wasm] : []);
 }
 function hear({ data }) {
@@ -96,7 +97,7 @@ function hear({ data }) {
     tell(`paused, and let go: ${data.refused}`);
   }
   if (data.saved !== undefined) { tell(`saved at ${seconds(data.saved)}`); element("restore").disabled = false; }
-  if (data.values) set_sliders(data.values);
+  if (data.values) { set_sliders(data.values); loads = data.loads; show_loads(); }
   if (data.recording) keep_recording(data.recording);
   if (waiting_messages.length) ask(waiting_messages.shift());
 }
@@ -105,7 +106,7 @@ function take_frame(frame, { run: until }) {
   if (until !== undefined) { owed = frame.frame < until - 1.5 * h ? 0 : Math.max(0, owed - (frame.frame - now.frame)); measure_pace(frame.frame - now.frame); }
   else owed = 0;
   now = frame;
-  for (const { force } of run.touch.arrows) largest_force = Math.max(largest_force, Math.hypot(...force.map(i => now.outputs[i])));
+  for (const { force } of body.touch.arrows) largest_force = Math.max(largest_force, Math.hypot(...force.map(i => now.outputs[i])));
   for (const row of run.rows) (row.trace ||= []).push([now.frame, source.values(row)[0]]);
   state.time = now.frame;
   shown = null;

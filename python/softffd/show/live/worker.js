@@ -1,13 +1,19 @@
 // The worker of a live page. It owns the component and the record of what is done; the page owns the clock, and asks for time.
 // `live_component.js` stands before it. One message, one answer, which names what was asked for:
 //   { open, wasm }              a frame                      the scene, and what is known of its variables (page.py); the library
-//   { run, budget, hand }       a frame, steps, took [ms],   until a time [s]; within a budget [ms]; hand: null, { part, target }: an obstacle or
-//                               perhaps refused: text        pin, or { weights, target, stiffness, damping, most }: the object, in world places
+//   { run, budget, hand, loads } a frame, steps, took [ms],  until a time [s]; within a budget [ms]; hand: null, { part, target, turn }: an obstacle
+//                               perhaps refused: text        or pin, perhaps with a turn from its start, or { weights, target, stiffness,
+//                                                            damping, most }: the object, in world places; loads: forces (L, 3) [N]
 //   { set: values }             a frame                      the tunable parameters, all
-//   { save } { restore }        { saved: t } a frame, values
-//   { again: values }           a frame                      from the start, with these parameters
+//   { save } { restore }        { saved: t } a frame, values, loads
+//   { again: values, loads }    a frame                      from the start, with these parameters and loads
 //   { recording }               { recording: csv }
-// A frame is { frame: t, points, outputs, parts, pull, at }. Beside answers: { told: text }; in place of one: { failed: text }.
+// A frame is { frame: t, points, outputs, parts, turns, pull, at }. Beside answers: { told: text }; in place of one: { failed: text }.
+const TURNED = {                                         // how inputs say a turn from where they start
+  normal: turned,
+  orientation: product,
+  rotation: (turn, start) => vector_of(product(turn, turn_of(start))),
+};
 const DISCARD = 2, ERROR = 3;                            // of FMI: a step that is refused; a component that has to be reset
 
 class LiveRun {
@@ -20,6 +26,7 @@ class LiveRun {
     this.outputs = component.block(opened.outputs);
     this.tuned = opened.parameters.map(each => component.block([each.reference]));
     this.wanted = opened.parameters.map(each => each.start);
+    this.loads = opened.loads.map(each => each.start);
     this.begin();
   }
   // From the start, with the parameters that are wanted now.
@@ -29,7 +36,7 @@ class LiveRun {
     this.values = opened.parameters.map(each => each.start);
     this.tune();
     this.first = [...this.values];
-    Object.assign(this, { count: 0, record: [], changed: [], hand: null, before: null, parts: opened.parts.map(part => ({ ...part, point: [...part.point] })) });
+    Object.assign(this, { count: 0, record: [], changed: [], hand: null, before: null, parts: opened.parts.map(part => ({ ...part, turn: UNTURNED })) });
     this.write_inputs();
     component.initialize();
     this.look();
@@ -55,24 +62,34 @@ class LiveRun {
     if (this.count === 0) this.again();                // before the first step they are start values
   }
 
-  // Obstacles and pins go on at their own speed, or towards the hand: their points and velocities agree, so that nothing jumps.
+  // Obstacles and pins go on at their own speed, or towards the hand: their poses and velocities agree, so that nothing jumps.
   write_inputs() {
-    const { h, most_speed, starts, forces } = this.opened, values = this.inputs.values;
+    const { starts, forces, loads } = this.opened, values = this.inputs.values, write = (vector, at) => values.set(vector.map(x => x + 0), at);   // no -0, which the record has not
     values.set(starts);
     this.parts.forEach((part, n) => {
       part.velocity = part.drift;
-      if (this.hand?.part === n || part.taken) {
-        part.taken = true;                             // what was held once stays where it was let go
-        const way = this.hand?.part === n ? this.hand.target.map((x, a) => x - part.point[a]) : [0, 0, 0], length = Math.hypot(...way);
-        const speed = Math.min(length / Math.max(3 * h, 0.02), most_speed);
-        part.velocity = length > 1e-9 * most_speed ? way.map(x => x / length * speed + 0) : [0, 0, 0];
-      }
-      values.set(part.point, part.at);
-      values.set(part.velocity, part.speed);
+      part.spin = [0, 0, 0];
+      if (this.hand?.part === n || part.taken) this.lead(part, this.hand?.part === n ? this.hand : { target: part.point });
+      write(part.point, part.at);
+      write(part.velocity, part.speed);
+      if (!part.turns) return;
+      if (part.turn !== UNTURNED) write(TURNED[part.turns](part.turn, part.axis), part.turned);
+      write(part.spin, part.spins);
     });
+    loads.forEach(({ at }, n) => write(this.loads[n], at));
     this.pull = this.pulled();
-    if (this.pull) for (const [p, w] of this.hand.weights) for (let a = 0; a < 3; a++) values[forces + 3 * p + a] = w * this.pull[a] + 0;   // no -0, which the record has not
+    if (this.pull) for (const [p, w] of this.hand.weights) for (let a = 0; a < 3; a++) values[forces + 3 * p + a] = w * this.pull[a] + 0;
     this.component.set(this.inputs);
+  }
+  // Its velocities towards where the hand is; what was held once stays where it was let go.
+  lead(part, { target, turn = part.turn }) {
+    const { h, most_speed, most_turn } = this.opened, rates = (way, most, least) => {
+      const length = Math.hypot(...way), rate = Math.min(length / Math.max(3 * h, 0.02), most);
+      return way.map(x => length > least ? x / length * rate : 0);
+    };
+    part.taken = true;
+    part.velocity = rates(target.map((x, a) => x - part.point[a]), most_speed, 1e-9 * most_speed);
+    if (part.turns && turn !== part.turn) part.spin = rates(vector_of(product(turn, backwards(part.turn))), most_turn, 1e-9);
   }
   // The force on the place that the hand holds [N]: a spring and a dashpot, bounded.
   pulled() {
@@ -93,17 +110,20 @@ class LiveRun {
     this.component.step(this.time, this.opened.h);     // throws where it is refused, and all is as before
     this.record.push(done);
     this.changed = [];
-    for (const part of this.parts) part.point = part.point.map((x, a) => x + part.velocity[a] * this.opened.h);
+    for (const part of this.parts) {
+      part.point = part.point.map((x, a) => x + part.velocity[a] * this.opened.h);
+      if (part.spin.some(x => x)) part.turn = product(turn_of(part.spin.map(x => x * this.opened.h)), part.turn);
+    }
     this.count++;
     this.look();
   }
   // Whole communication steps until a time, or until the budget [ms] is spent. Where one is refused all is as before, with the reason.
-  run(until, budget, hand) {
+  run(until, budget, hand, loads = this.loads) {
     const began = performance.now(), before = this.kept();
     let refused;
     try {
       do {
-        this.hand = hand;
+        Object.assign(this, { hand, loads });
         if ((this.count + 1) * this.opened.h > until + 1e-6 * this.opened.h) break;
         this.step();
       } while (performance.now() - began < budget);
@@ -118,7 +138,7 @@ class LiveRun {
   frame() {
     const { centre } = this.opened;
     return { frame: this.time, points: Float32Array.from(this.points, (x, i) => x - centre[i % 3]), outputs: Float64Array.from(this.component.get(this.outputs)),
-      parts: this.parts.map(part => [...part.point]), pull: this.pull, at: this.hand?.weights ? this.held_place() : null };
+      parts: this.parts.map(part => part.point), turns: this.parts.map(part => part.turn), pull: this.pull, at: this.hand?.weights ? this.held_place() : null };
   }
   save() {
     if (this.saved) this.component.forget(this.saved.state);
@@ -127,12 +147,12 @@ class LiveRun {
   }
   restore() {
     this.go_back(this.saved);
-    return { values: this.values };
+    return { values: this.values, loads: this.loads };
   }
   // A moment: the component's state, and what belongs to it here. Records grow at their ends, so that their length is enough.
   kept() {
-    const { count, first, record } = this;
-    return { ...this.own(), count, first, record, length: record.length, state: this.component.save() };
+    const { count, first, record, loads } = this;
+    return { ...this.own(), count, first, record, loads, length: record.length, state: this.component.save() };
   }
   go_back(moment) {
     this.component.restore(moment.state);
@@ -142,7 +162,7 @@ class LiveRun {
   }
   // Copies of what changes in place.
   own({ values, changed, parts } = this) {
-    return { values: [...values], changed: [...changed], parts: parts.map(part => ({ ...part, point: [...part.point] })) };
+    return { values: [...values], changed: [...changed], parts: parts.map(part => ({ ...part })) };
   }
 
   // What was done, as a CSV file of inputs: the columns that ever differ from the start values, a row for each communication point.
@@ -172,11 +192,11 @@ const ANSWERS = {
     live = new LiveRun(new Component(library, open.scene, open.guid), open);
     return { ready: true, ...live.frame() };
   },
-  run: ({ run, budget, hand }) => ({ ...live.run(run, budget, hand), ...live.frame() }),
+  run: ({ run, budget, hand, loads }) => ({ ...live.run(run, budget, hand, loads), ...live.frame() }),
   set({ set }) { live.set(set); return live.frame(); },
   save: () => live.save(),
   restore: () => ({ ...live.restore(), ...live.frame() }),
-  again({ again }) { live.wanted = [...again]; live.again(); return live.frame(); },
+  again({ again, loads = live.loads }) { Object.assign(live, { wanted: [...again], loads }); live.again(); return live.frame(); },
   recording: () => ({ recording: live.recording() }),
 };
 let last_words = "";

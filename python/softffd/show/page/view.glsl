@@ -112,7 +112,7 @@ in vec3 world, shading, cell, shade;
 in vec2 skin_place;
 in float displacement, strain;
 uniform vec3 eye, up, key;
-uniform float colouring, largest, cage;               // colouring 0: paint, 1: displacement, 2: strain, 3: cells
+uniform float colouring, largest, cage, hollow;       // colouring 0: paint, 1: displacement, 2: strain, 3: cells; hollow: hatched from within
 uniform sampler2D ramp, skin;
 uniform highp sampler3D cells;                        // share of the scale, whether turned inside out
 out vec4 colour;
@@ -135,6 +135,7 @@ void main() {
   if (colouring > 2.5 && inner.g > 0.0) ramped = vec3(0.5);
   vec3 base = pow(painted ? shade * texture(skin, skin_place).rgb : ramped, vec3(2.2));
   if (cage > 0.5) base *= 1.0 - 0.45 * cell_lines();
+  if (hollow > 0.5 && dot(shading, view) < 0.0) base *= 0.7 + 0.3 * step(0.35, fract((gl_FragCoord.x + gl_FragCoord.y) / 16.0));
   float diffuse = max((dot(n, key) + 0.15) / 1.15, 0.0), sky = 0.5 + 0.5 * dot(n, up);
   float gloss = pow(max(dot(n, normalize(key + view)), 0.0), 70.0), rim = pow(1.0 - max(dot(n, view), 0.0), 4.0);
   vec3 light = base * (mix(vec3(0.12, 0.115, 0.11), vec3(0.34, 0.37, 0.42), sky) + 0.80 * diffuse);
@@ -245,6 +246,11 @@ float grid(float step_width) {
   vec2 width = fwidth(at), line = 1.0 - smoothstep(0.5 * width, 1.5 * width, abs(fract(at - 0.5) - 0.5));
   return max(line.x, line.y) * (1.0 - smoothstep(0.2, 0.7, max(width.x, width.y)));
 }
+float hatch(float step_width) {                       // what is seen from its solid side
+  float at = dot(world - anchor, tangent + cross(normal, tangent)) / step_width, width = fwidth(at);
+  float line = 1.0 - smoothstep(0.11, 0.11 + width, abs(fract(at) - 0.5));
+  return mix(line, 0.25, smoothstep(0.3, 0.9, width));
+}
 float shade(vec2 at, vec2 texel) {
   return 0.25 * (texture(shadow, at + texel).r + texture(shadow, at - texel).r
     + texture(shadow, at + vec2(texel.x, -texel.y)).r + texture(shadow, at + vec2(-texel.x, texel.y)).r);
@@ -259,7 +265,7 @@ void main() {
   float hidden = front ? 0.8 * shade(0.5 * patch_place + 0.5, 1.0 / vec2(textureSize(shadow, 0))) : 0.0;
   float lines = 0.28 * grid(spacing) + 0.22 * grid(5.0 * spacing) + 0.6 * rim * plate;
   vec3 base = mix(tint, tint * 0.45, lines);
-  float cover = (front ? solid : 0.12) + (1.0 - solid) * lines * (front ? 1.0 : 0.5);
+  float cover = front ? solid + (1.0 - solid) * lines : 0.08 + 0.30 * hatch(0.5 * spacing) + 0.5 * (1.0 - solid) * lines;
   colour = vec4(base * (1.0 - hidden), fade * (cover + (1.0 - cover) * hidden));
 }
 

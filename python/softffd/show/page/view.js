@@ -42,7 +42,7 @@ function make_rows() {
     box.style.setProperty("--mark", row.mark);
     box.innerHTML = `<div><span class="label"></span><span class="value"></span></div><div class="vector"></div>
       <svg viewBox="0 0 100 26" preserveAspectRatio="none" aria-hidden="true"><path/><line y1="0" y2="26"/></svg>`;
-    box.querySelector(".label").append(row.label, Object.assign(document.createElement("span"), { textContent: ` ${row.kind}` }));
+    box.querySelector(".label").append(name_of(bodies[row.body], row.label), Object.assign(document.createElement("span"), { textContent: ` ${row.kind}` }));
     const [value, vector, curve, path, cursor] = [".value", ".vector", "svg", "path", "line"].map(part => box.querySelector(part));
     row.parts = { value, vector, curve, path, cursor };
     element("readout").append(box);
@@ -98,7 +98,7 @@ function zoom(factor) {
   show();
 }
 function move(dx, dy) {
-  const { right, above } = camera_frame(), scale = 2 * camera.distance * Math.tan(FOV / 2) / canvas.clientHeight;
+  const { right, above } = camera_frame(), scale = 2 * camera.distance * Math.tan(FOV / 2) / pane_size()[1];
   camera.shift = plus(plus(camera.shift, -dx * scale, right), dy * scale, above);
   camera.home = false;
   show();
@@ -140,38 +140,41 @@ function listen() {
 }
 
 // ---- start -------------------------------------------------------------------------------------------------------
-const NO_WEBGL = "This page draws with WebGL 2, which this browser does not offer. It may be switched off in its settings, " +
-  "or the browser may be old: a current Firefox, Chrome, Edge or Safari shows the run.";
+const NO_WEBGL = "This page draws with WebGL 2, which this browser does not offer, so that it shows a still picture. WebGL may be switched off " +
+  "in the settings, or the browser may be old: a current Firefox, Chrome, Edge or Safari plays the run.";
+const OLD = "This page needs a browser of 2023 or later, which can unpack what it holds; so it shows a still picture.";
 const LOST = "The browser took the 3D view away, perhaps for lack of memory. Load the page again to go on.";
 function say_instead(text) {
-  for (const id of ["bar", "legend", "clock"]) element(id).hidden = true;
-  say(text);
-}
-function say(text) {
+  element("bar").hidden = true;
   element("message").hidden = false;
   element("message").firstElementChild.textContent = text;
+  document.body.classList.add("still");                  // its pictures take the place of the canvas
 }
 function write_page() {
   element("title").textContent = run.title;
   element("subtitle").textContent = run.subtitle;
   element("note").textContent = run.note;
   element("note").hidden = !run.note;
-  element("grid").textContent = run.planes.length ? `grid: ${run.spacing} m` : "";
+  element("grid").textContent = bodies.some(({ planes }) => planes.length) ? `grid: ${run.spacing} m` : "";
+  document.body.classList.toggle("several", bodies.length > 1);
+  document.body.classList.toggle("beside", PANES.length > 1);
   element("lattice").setAttribute("aria-pressed", state.lattice);
-  for (const name of ["obstacles", "contacts"]) element(name).hidden = !obstacles.length;
-  element("pressed").hidden = !run.touch.arrows.length;
+  for (const name of ["obstacles", "contacts"]) element(name).hidden = !bodies.some(({ obstacles }) => obstacles.length);
+  element("pressed").hidden = !bodies.some(({ touch }) => touch.arrows.length);
   for (const each of run.cells) element("colour").add(new Option(each.name === "von_mises" ? "stress" : each.name, each.name));
   element("ramp").style.background = `linear-gradient(90deg, ${Array.from({ length: 9 }, (_, i) => {
     const at = 3 * Math.round(i / 8 * (run.ramp.length / 3 - 1)); return `rgb(${run.ramp.slice(at, at + 3)})`; }).join(",")})`;
 }
 // "#t=0.4" in the address opens the page at that time, paused; "&colour=strain" with that colour.
-function start() {
+async function start() {
   const wanted = new URLSearchParams(location.hash.slice(1)), still = matchMedia("(prefers-reduced-motion: reduce)").matches;
   write_page();
   make_rows();
-  source.begin();
   if (!gl) return say_instead(NO_WEBGL);
+  if (!globalThis.DecompressionStream) return say_instead(OLD);
   canvas.addEventListener("webglcontextlost", () => say_instead(LOST));
+  for (const body of bodies) body.surface = await unpack(body.surface);
+  source.begin();
   build();
   gl.depthFunc(gl.LEQUAL);
   listen();
@@ -181,4 +184,4 @@ function start() {
   if (wanted.has("t")) source.go_to(+wanted.get("t") || 0);
   set_playing(!wanted.has("t") && !still);
 }
-try { start(); } catch (error) { say_instead(`The 3D view could not start: ${error.message}`); throw error; }
+start().catch(error => { say_instead(`The 3D view could not start: ${error.message}`); throw error; });

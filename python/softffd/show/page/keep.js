@@ -9,7 +9,12 @@ function download(name, blob) {
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
-// The view as it is drawn now, in the middle of a canvas of two dimensions.
+// Of the canvas what neither readout nor controls cover: where it begins, its width and height.
+function free_view() {
+  const ratio = canvas.width / canvas.clientWidth, [left, right] = covered().map(x => Math.round(x * ratio));
+  return [left, canvas.width - left - right, canvas.height];
+}
+// The free view as it is drawn now, in the middle of a canvas of two dimensions.
 function copy_view(target) {
   const pen = target.getContext("2d"), { width, height } = target, style = getComputedStyle(document.documentElement);
   const sky = pen.createRadialGradient(width / 2, 0.35 * height, 0, width / 2, 0.35 * height, 0.75 * Math.max(width, height));
@@ -17,10 +22,13 @@ function copy_view(target) {
   sky.addColorStop(1, style.getPropertyValue("--floor").trim());
   pen.fillStyle = sky;
   pen.fillRect(0, 0, width, height);
-  const scale = Math.min(width / canvas.width, height / canvas.height), w = scale * canvas.width, h = scale * canvas.height;
-  pen.drawImage(canvas, (width - w) / 2, (height - h) / 2, w, h);
+  const [left, across, down] = free_view(), scale = Math.min(width / across, height / down), w = scale * across, h = scale * down;
+  pen.drawImage(canvas, left, 0, across, down, (width - w) / 2, (height - h) / 2, w, h);
 }
-const copy_of_view = () => Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+function copy_of_view() {
+  const [, width, height] = free_view();
+  return Object.assign(document.createElement("canvas"), { width, height });
+}
 
 function save_picture() {
   const target = copy_of_view(), name = `${file_stem()}_${state.time.toFixed(source.decimals)}s.png`;

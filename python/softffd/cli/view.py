@@ -1,0 +1,50 @@
+"""`softffd view`: the page of a kept run, of several beside each other, or of the components of a coupled run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from softffd.cli.keep import kept_result, page_of
+from softffd.errors import SoftffdError
+from softffd.files import require_new
+from softffd.run.progress import Note, silent
+from softffd.run.replay import replay_system
+from softffd.run.result import Result
+from softffd.show.view import write_views
+
+
+def page_to_view(what: Sequence[Path], output: Path | None, *, overwrite: bool, together: bool, stage: Note = silent) -> Path:
+    """The page of kept runs, or of a system and the CSV file of its rows; written where it is not there yet. stage: is told what is done.
+
+    output: where the page of several goes; by default in this folder, under their names. together: they are
+    components of one coupled run.
+    """
+    is_system = what[0].suffix.lower() == ".ssp"
+    if len(what) == 1 and not is_system:
+        if together or output:
+            raise SoftffdError(f"view: {'--ssp' if together else '--output'}: wanted with two runs or more; the page of one is beside it")
+        stage("writing view.html")
+        return page_of(what[0])
+    page = output or Path(f"{what[0].stem if is_system else '-'.join(map(_short, what))}.html")
+    if not overwrite:
+        require_new([page], "another name by -o X.html")
+    runs = _components(what, stage) if is_system else {name: kept_result(each) for name, each in zip(_names(what), what, strict=True)}
+    stage(f"writing {page.name}")
+    return write_views(runs, page, together=together or is_system)
+
+
+def _names(what: Sequence[Path]) -> list[str]:
+    """Of runs, by their folders or files; whole paths where two are the same."""
+    short = [_short(each) for each in what]
+    return short if len(set(short)) == len(short) else [str(each) for each in what]
+
+
+def _short(kept: Path) -> str:
+    return (kept.resolve().name if kept.is_dir() else kept.stem).removeprefix("softffd-")
+
+
+def _components(what: Sequence[Path], stage: Note) -> dict[str, Result]:
+    if len(what) != 2 or what[1].suffix.lower() != ".csv":
+        raise SoftffdError(f"{what[0]}: wanted with it the CSV file of what a host recorded of the system: softffd view {what[0]} rows.csv")
+    return replay_system(what[0], what[1], stage)

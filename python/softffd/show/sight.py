@@ -1,0 +1,59 @@
+"""From where one looks first: the usual view, or the nearest to it from which obstacles are seen from their free side and hide nothing."""
+
+from collections.abc import Sequence
+from itertools import product
+
+import numpy as np
+
+from softffd.show.stage import VIEW, Stage
+
+TURNS = np.radians([0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180])
+LIFTS = (VIEW[1], 0.18, 0.1, 0.05, 0.02, -0.02, 0.45, 0.7, -0.2)
+DISTANCES = (4.0, 8.0)
+"""Of the eye from the middle of the scene, in halves of its diagonal: in a broad page, and in a narrow one"""
+GLANCES = 12  # frames, evenly chosen, in which it counts
+SAMPLES = 40  # places between eye and object where a solid would hide it
+TURNED = 0.02  # a radian of turning away from the usual view is worth so much of the run behind an obstacle
+
+
+def first_sight(stages: Sequence[Stage]) -> tuple[float, float]:
+    """About the up direction, and above the horizon [rad]: where the eye is behind planes, or solids before the object, for the least
+    time.
+
+    stages: what is seen by one camera, each about its own centre.
+    """
+    views = np.array(list(product(VIEW[0] + TURNS, LIFTS)))
+    behind = sum(_behind(stage, np.array([back_of(stage.up, *view) for view in views])) for stage in stages)
+    away = np.abs(views - VIEW).sum(axis=1)
+    turn, lift = views[np.argmin(behind + TURNED * away)]
+    return float(turn), float(lift)
+
+
+def _behind(stage: Stage, backs: np.ndarray) -> np.ndarray:
+    """For directions from the middle to the eye (N, 3): on how many obstacles' solid sides it is, or behind how many solids the object's
+    middle, in how much of the run, (N,)."""
+    frames = np.unique(np.linspace(0, len(stage.time) - 1, GLANCES).astype(int))
+    counted = np.zeros(len(backs))
+    for distance, frame in product(DISTANCES, frames):
+        eyes, middle = stage.centre + distance * stage.radius * backs, stage.positions[frame].mean(axis=(0, 1, 2))
+        between = middle + (eyes - middle) * np.linspace(0, 1, SAMPLES)[:, None, None]
+        hidden = [plane.gap(frame, eyes) < 0 for plane in stage.planes]
+        hidden += [(solid.gap(frame, between.reshape(-1, 3)).reshape(SAMPLES, -1) < 0).any(axis=0) for solid in stage.solids]
+        counted += np.sum(hidden, axis=0) / (len(frames) * len(DISTANCES))
+    return counted
+
+
+def view_axes(up: np.ndarray, view: tuple[float, float] = VIEW) -> np.ndarray:
+    """Rows right, above, back (3, 3) of a view."""
+    back = back_of(up, *view)
+    right = np.cross(up, back)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(back, right), back])
+
+
+def back_of(up: np.ndarray, turn: float, lift: float) -> np.ndarray:
+    """Unit vector (3,) from the middle to the eye."""
+    east = np.cross([0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [0.0, 0.0, 1.0], up)
+    east /= np.linalg.norm(east)
+    flat = np.cos(turn) * east + np.sin(turn) * np.cross(up, east)
+    return np.asarray(np.cos(lift) * flat + np.sin(lift) * np.asarray(up))

@@ -1,0 +1,89 @@
+"""The surface of an object as a page holds it: whole numbers in one compressed block, which `page/unpack.js` opens.
+
+Places have 20 bits along each side of the box (they are off by 5e-7 of the side at most, below a pixel at any zoom that the page allows),
+normals 12 bits on each side of an octahedron (0.03 degrees, below a step of grey), tints the 8 that screens have. Vertices follow a curve
+that fills the box, and triangles their vertices, so that neighbours have near numbers and their differences are small.
+"""
+
+import base64
+import gzip
+from typing import Any
+
+import numpy as np
+
+from softffd.embedding.basis import parameter
+from softffd.mesh.normals import split_at_creases
+from softffd.show.stage import Stage
+
+PLACE_BITS, NORMAL_BITS = 20, 12
+SPREADS = ((32, 0x1F00000000FFFF), (16, 0x1F0000FF0000FF), (8, 0x100F00F00F00F00F), (4, 0x10C30C30C30C30C3), (2, 0x1249249249249249))
+"""Steps that move the bits of a number apart to every third place"""
+
+
+def surface(stage: Stage) -> dict[str, Any]:
+    """The packed arrays of a stage's W vertices and F triangles: parameters, normals, tints, places in pictures; three numbers a triangle.
+
+    Triangles with one picture follow each other: `parts` are pairs of a picture's number and how many there are.
+    """
+    source, normals, faces = split_at_creases(stage.vertices, stage.faces)
+    places = zip(((stage.vertices[source] - stage.origin) / stage.size).T, stage.counts, strict=True)
+    coordinates, scales = _whole(np.stack([parameter(t, n, stage.basis) for t, n in places], axis=1))
+    order = np.argsort(_along_a_curve(coordinates), kind="stable")
+    number = np.empty_like(order)
+    number[order] = np.arange(len(order))
+    faces, picture = _begun_with_the_least(number[faces]), stage.skin.picture_of
+    sequence = np.lexsort((faces[:, 2], faces[:, 1], faces[:, 0], picture))
+    faces, (pictures, counts) = faces[sequence], np.unique(picture, return_counts=True)
+    uv, uv_scales = _whole(stage.skin.uv[source] if stage.skin.pictures else np.zeros((len(source), 2)))
+    arrays = {
+        "coordinates": coordinates[order],
+        "normals": _on_octahedron(normals[order]),
+        "tints": (stage.skin.tints[source[order]] * 255.0).round().astype(np.int64),
+        "uv": uv[order],
+    }
+    columns = [np.diff(column, prepend=0) for each in arrays.values() for column in each.T]
+    columns += [np.diff(faces[:, 0], prepend=0), faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0]]
+    return {"scales": scales, "uv_scales": uv_scales, "parts": np.stack([pictures, counts], axis=1).tolist(), **_block(columns)}
+
+
+def _whole(values: np.ndarray) -> tuple[np.ndarray, list[list[float]]]:
+    """Values (N, K) as whole numbers of 20 bits, and of each of the K what 0 means and what 1 more."""
+    low, high = values.min(axis=0), values.max(axis=0)
+    step = np.where(high > low, high - low, 1.0) / (2**PLACE_BITS - 1)
+    return ((values - low) / step).round().astype(np.int64), np.stack([low, step], axis=1).tolist()
+
+
+def _along_a_curve(places: np.ndarray) -> np.ndarray:
+    """Morton's number (N,) of places (N, 3): the bits of the three in turn."""
+    key = np.zeros(len(places), dtype=np.uint64)
+    for axis, bits in enumerate(places.T.astype(np.uint64)):
+        for shift, mask in SPREADS:
+            bits = (bits | (bits << np.uint64(shift))) & np.uint64(mask)
+        key |= bits << np.uint64(axis)
+    return key
+
+
+def _begun_with_the_least(faces: np.ndarray) -> np.ndarray:
+    """Faces (F, 3) turned so that the smallest number comes first; they keep their winding."""
+    return np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
+
+
+def _on_octahedron(normals: np.ndarray) -> np.ndarray:
+    """Unit normals (N, 3) as whole numbers (N, 2) on the unfolded octahedron (Cigolle et al. 2014); of no normal the middle."""
+    size = np.abs(normals).sum(axis=1, keepdims=True)
+    flat = normals / np.where(size > 0, size, 1.0)
+    folded = (1 - np.abs(flat[:, 1::-1])) * np.where(flat[:, :2] < 0, -1.0, 1.0)
+    place = np.where(flat[:, 2:] < 0, folded, flat[:, :2])
+    return (place * (2 ** (NORMAL_BITS - 1) - 1)).round().astype(np.int64)
+
+
+def _block(columns: list[np.ndarray]) -> dict[str, Any]:
+    """Columns of whole numbers, with signs, as bytes: of each its lowest bytes, then the next; how many of these each has, and of what
+    length."""
+    planes, pieces = [], []
+    for column in columns:
+        number = np.where(column < 0, -2 * column - 1, 2 * column).astype("<u4")
+        count = max(1, (int(number.max(initial=0)).bit_length() + 7) // 8)
+        planes.append([len(column), count])
+        pieces += [(number >> np.uint32(8 * k)).astype(np.uint8).tobytes() for k in range(count)]
+    return {"columns": planes, "block": base64.b64encode(gzip.compress(b"".join(pieces), 6, mtime=0)).decode("ascii")}
