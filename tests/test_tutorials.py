@@ -92,5 +92,5 @@ def test_a_notebook_runs(notebook, tmp_path, monkeypatch):
     exec("".join("".join([*cell["source"], "\n"]) for cell in cells), {})
 
 
-def test_there_are_a_tutorial_each_for_coupling_fits_meshes_a_robot_and_scripting_and_a_notebook():
-    assert [file.stem for file in TUTORIALS] == ["coupling", "fit", "mesh", "robot", "scripting"] and NOTEBOOKS
+def test_there_are_a_tutorial_each_for_coupling_fits_meshes_a_robot_scripting_and_sensors_and_a_notebook():
+    assert [file.stem for file in TUTORIALS] == ["coupling", "fit", "mesh", "robot", "scripting", "sensors"] and NOTEBOOKS

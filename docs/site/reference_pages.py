@@ -45,6 +45,13 @@ PRESENT = {
     "velocities": "each control point of `outputs.velocities`",
     "probes": "each `[[probe]]`",
     **{f"probe_{word}": f"each `[[probe]]` of a solid with `{word} = true`" for word in ("stress", "von_mises", "stretch")},
+    **{f"probe_{word}": f"each `[[probe]]` with `{word} = true`" for word in ("velocity", "acceleration")},
+    **{
+        f"probe_largest_{word}": f"each `[[probe]]` with `{word} = true` and `maximum = true`"
+        for word in ("velocity", "acceleration", "von_mises")
+    },
+    "sensors": "each `[[sensor]]`",
+    "taxels": "each taxel of a `[[sensor]]`",
     "plane_reactions": "each `[[plane]]`, `[[sphere]]`, `[[cylinder]]` or `[[box]]`, `outputs.reactions`",
     "pin_reactions": "each `[[pin]]`, `outputs.reactions`",
     "energy": "`outputs.energy`",
@@ -87,7 +94,7 @@ The FMU has only the variables that its scene needs; `softffd info SCENE` lists 
 
 | In a name | Means |
 | --- | --- |
-| `NAME` | the name of the obstacle, pin, load or probe in the scene |
+| `NAME` | the name of the obstacle, pin, load, probe or sensor in the scene |
 | `i,j,k` | the indices of a control point, from 0; in a block of variables `i` runs fastest, then `j`, then `k` |
 | `.x` `.y` `.z` | a vector in the world frame, one variable for each component |
 | `plane.NAME` | a plane; the variables of a `[[sphere]]`, `[[cylinder]]` or `[[box]]` are the same under their own kind: \
