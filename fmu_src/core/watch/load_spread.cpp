@@ -14,7 +14,7 @@ constexpr double same = 1e-12, weak = 1e-12;
 constexpr double done = 1e-11, failed = 1e-6;
 /// Cells over which a force spreads: a little more than the widest distance of a patch's nodes.
 constexpr double wide = 1.5;
-constexpr int most_rounds = 20, balance_rounds = 12;
+constexpr int most_rounds = 20, balance_rounds = 6;
 
 /// forces += what is missing to this sum, as the weights are.
 void complete(const Scalars& weight, const Vec3& missing, Points& forces) {
@@ -143,27 +143,33 @@ void LoadSpread::find_near(const SharedLoad& load) {
     }
 }
 
+/// The sums over all pairs, of columns side by side.
+template <class Values>
+Values LoadSpread::times(const Values& values) const {
+  Values sums = Values::Zero(values.rows(), values.cols());
+  for (const auto& [one, other, part] : near_) {
+    sums.row(one) += part * values.row(other);
+    if (one != other) sums.row(other) += part * values.row(one);
+  }
+  return sums;
+}
+
 void LoadSpread::smooth(SharedLoad& load) {
   find_near(load);
-  const int count = load.count();
-  const auto times = [&](const Scalars& values) {
-    Scalars sums = Scalars::Zero(count);
-    for (const auto& [one, other, part] : near_) {
-      sums[one] += part * values[other];
-      if (one != other) sums[other] += part * values[one];
-    }
-    return sums;
-  };
-  Scalars balance = (times(load.area)).sqrt().inverse();
-  for (int round = 0; round < balance_rounds; ++round) balance = (balance / times(load.area * balance)).sqrt();
-  const Scalars kept = balance * times(load.area * balance);  // of each force, to rounding 1
-  const auto spread = [&](const Scalars& forces) { return Scalars(load.area * balance * times(balance * forces / kept)); };
+  Scalars balance = times(load.area).sqrt().inverse();
+  for (int round = 0; round < balance_rounds; ++round) balance = (balance / times<Scalars>(load.area * balance)).sqrt();
+  const Scalars kept = balance * times<Scalars>(load.area * balance);  // of each force; 1 but for what the rounds have left
   const Points pushed = load.normal.colwise() * load.along;
   const Vec3 facing = pushed.colwise().sum().matrix().transpose().normalized();
   const Eigen::Matrix<double, Eigen::Dynamic, 3> flat = load.place.matrix() * (Eigen::Matrix3d::Identity() - facing * facing.transpose());
   const Eigen::RowVector3d moment = load.along.matrix().transpose() * flat;
-  load.along = spread(load.along);
-  for (int axis = 0; axis < 3; ++axis) load.across.col(axis) = spread(load.across.col(axis));
+  Eigen::Array<double, Eigen::Dynamic, 4, Eigen::RowMajor> forces(load.count(), 4);
+  forces << load.along, load.across;
+  forces.colwise() *= balance / kept;
+  forces = times(forces);
+  forces.colwise() *= load.area * balance;
+  load.along = forces.col(0);
+  load.across = forces.rightCols(3);
   const double sum = load.along.sum();
   const Eigen::RowVector3d centre = load.along.matrix().transpose() * flat / sum;
   const Eigen::Matrix<double, Eigen::Dynamic, 3> arms = flat.rowwise() - centre;

@@ -57,6 +57,8 @@ class LoadSpread {
   bool along(const Scalars& area, Scalars& forces);
   bool across(const Scalars& weight, Points& forces);
   void find_near(const SharedLoad& load);
+  template <class Values>
+  Values times(const Values& values) const;
   void smooth(SharedLoad& load);
 
   struct Near {
