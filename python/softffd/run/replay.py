@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Union
-from zipfile import BadZipFile, ZipFile
+from zipfile import ZipFile
 
 import numpy as np
-from lxml.etree import XMLSyntaxError
 
 from softffd.errors import FmuError, SoftffdError
 from softffd.fmu.archive import require_no_bomb
@@ -65,31 +64,37 @@ def replay_system(system: Path, rows: Rows, stage: Note = silent) -> dict[str, R
         that is given no inputs moves by itself.
     stage: is told what is being done. Raises SoftffdError where the file is no system or has no soft body.
     """
-    from fmpy.ssp.ssd import read_ssd, read_ssv
-
     table = _table(rows)
     times, columns = _times(table), _columns(table)
-    try:
-        with ZipFile(system) as archive, TemporaryDirectory(prefix="softffd-") as folder:
-            require_no_bomb(archive, system.stat().st_size)
-            starts = read_ssv(str(system), START).parameters if START in archive.namelist() else []
-            results: dict[str, Result] = {}
-            for element in read_ssd(str(system)).system.elements:
-                fmu = Path(folder) / f"{len(results)}.fmu"
-                fmu.write_bytes(archive.read(element.source))
-                with Component(fmu, running=False) as component:
-                    is_body = component.lattice is not None
-                    led = any(each.causality == "input" and f"{element.name}.{name}" in columns for name, each in component.by_name.items())
-                if is_body:
-                    stage(f"simulating {element.name} again")
-                    own = {each.name.partition(".")[2]: each.value for each in starts if each.name.partition(".")[0] == element.name}
-                    again = replay(fmu, table, element.name, start_values=own) if led else _at(times, fmu, inputs={}, start_values=own)
-                    results[element.name] = again
-    except (BadZipFile, KeyError, OSError, XMLSyntaxError) as error:
-        raise SoftffdError(f"{system}: cannot be read as a system of FMUs (SSP): {error}") from error
+    results: dict[str, Result] = {}
+    with TemporaryDirectory(prefix="softffd-") as folder:
+        for name, (content, starts) in _components_of(system).items():
+            fmu = Path(folder) / f"{len(results)}.fmu"
+            fmu.write_bytes(content)
+            with Component(fmu, running=False) as component:
+                if component.lattice is None:
+                    continue
+                led = any(each.causality == "input" and f"{name}.{own}" in columns for own, each in component.by_name.items())
+            stage(f"simulating {name} again")
+            results[name] = replay(fmu, table, name, start_values=starts) if led else _at(times, fmu, inputs={}, start_values=starts)
     if not results:
         raise SoftffdError(f"{system}: wanted a system with a soft body, an FMU of softffd; got none")
     return results
+
+
+def _components_of(system: Path) -> dict[str, tuple[bytes, dict[str, Any]]]:
+    """The FMUs of a system and their start values, by component."""
+    from fmpy.ssp.ssd import read_ssd, read_ssv
+
+    try:
+        with ZipFile(system) as archive:
+            require_no_bomb(archive, system.stat().st_size)
+            starts = read_ssv(str(system), START).parameters if START in archive.namelist() else []
+            own = [(*each.name.partition(".")[::2], each.value) for each in starts]
+            elements = {each.name: archive.read(each.source) for each in read_ssd(str(system)).system.elements}
+    except Exception as error:
+        raise SoftffdError(f"{system}: cannot be read as a system of FMUs (SSP): {error}") from error
+    return {name: (content, {key: value for of, key, value in own if of == name}) for name, content in elements.items()}
 
 
 def _table(rows: Rows) -> Any:

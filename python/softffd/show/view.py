@@ -53,10 +53,17 @@ def write_views(runs: Mapping[str, Result], path: str | Path, *, together: bool 
     """
     if not runs:
         raise SoftffdError("view: wanted one run or more, got none")
-    bodies = [Body(name, 0 if together else n, each, stage_of(each)) for n, (name, each) in enumerate(runs.items())]
+    bodies = [Body(name, 0 if together else n, each, _stage_of(name, each)) for n, (name, each) in enumerate(runs.items())]
     title = (" and " if together else " beside ").join(runs)
     write_text(path, _page(_in_one_view(bodies, together=together), title))
     return Path(path)
+
+
+def _stage_of(name: str, result: Result) -> Stage:
+    try:
+        return stage_of(result)
+    except SoftffdError as error:
+        raise SoftffdError(f"{name}: {error}") from error
 
 
 def page_text(result: Result) -> str:

@@ -1,5 +1,6 @@
-"""Other people's readers of exported runs: VTK's and USD's own, and what ffmpeg says of its film."""
+"""Other people's readers of exported runs: VTK's and USD's own, Khronos's validator of glTF, and what ffmpeg says of its film."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -99,6 +100,27 @@ def require_tensors(result: Result, row: int, grid) -> None:
     sizes = vtkCellSizeFilter(input_data_object=grid)
     sizes.Update()
     assert vtk_to_numpy(sizes.GetOutput().GetCellData().GetArray("Volume")).min() > 0
+
+
+VALIDATE = """
+const bytes = new Uint8Array(require("fs").readFileSync(process.argv[1]));
+require("gltf-validator").validateBytes(bytes).then(report => console.log(JSON.stringify(report)));
+"""
+
+
+@pytest.mark.full
+def test_khronos_s_validator_finds_nothing_in_a_glb(any_run, tmp_path):
+    """npm's package gltf-validator, where there is npm."""
+    if not (shutil.which("npm") and shutil.which("node")):
+        pytest.skip("npm is not installed")
+    installed = subprocess.run(["npm", "install", "--prefix", tmp_path, "gltf-validator@2.0.0-dev.3.10"], capture_output=True, check=False)
+    if installed.returncode:
+        pytest.skip("npm's registry is not in reach")
+    any_run.export(tmp_path / "run.glb")
+    said = subprocess.run(["node", "-e", VALIDATE, tmp_path / "run.glb"], capture_output=True, cwd=tmp_path, check=True).stdout
+    report = json.loads(said)
+    assert report["issues"]["numErrors"] == report["issues"]["numWarnings"] == 0, report["issues"]["messages"]
+    assert report["info"]["animationCount"] == 1
 
 
 @pytest.mark.full

@@ -126,6 +126,7 @@ LED = {
 }
 
 
+@pytest.mark.full
 def test_turns_and_loads_by_hand_run_natively_to_the_same_bits(tmp_path, pages):
     """Every kind of obstacle and a pin, about an axis that is none of the world's, saved and restored on the way."""
     save_mesh(Mesh(*cage_surface([0.02] * 3, [0.96] * 3, divisions=6)), tmp_path / "cube.obj")

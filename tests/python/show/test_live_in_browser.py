@@ -124,6 +124,35 @@ def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, pages):
 
 
 @pytest.mark.full
+def test_the_car_is_crushed_by_a_finger_and_its_force_is_read_and_repeated(tmp_path, pages):
+    with Browser(pages("car_drop"), tmp_path, width=390, height=844, mobile=True) as browser:
+        ready(browser)
+        bumper = "run.bodies[0].planes.find(plane => plane.name === 'bumper').now"
+        edge = on_screen(
+            browser, f"plus(plus({bumper}.centre, 0.7 * {bumper}.extent[0] * {bumper}.reach, {bumper}.tangent), 0.05, {bumper}.normal)"
+        )
+        browser.touch("touchStart", edge)
+        held = browser.wait_for("hand && live.open.parts[hand.part].label")
+        assert held == "bumper"
+        browser.touch("touchMove", [edge[0] + 90, edge[1]])
+        read = "run.rows.find(row => row.label === 'bumper').parts.value.textContent"
+        assert browser.wait_for(f"{read}.endsWith('kN') && parseFloat({read}) > 20 && {read}", 120).endswith("kN")
+        browser.touch("touchEnd")
+        browser.ask("set_playing(false)")
+        browser.wait_for("asked === null")
+        rows = "rows: run.rows.map(row => row.at), labels: run.rows.map(row => row.label)"
+        shown = browser.ask(f"({{ frame: now.frame, points: [...now.points], outputs: [...now.outputs], centre, {rows} }})")
+        browser.ask("keep_recording = text => { window.kept = text; }, element('record').click()")
+        (tmp_path / "recording.csv").write_text(browser.wait_for("window.kept"))
+        assert not browser.errors
+    result = run_scene_or_fmu("car_drop", inputs=tmp_path / "recording.csv")
+    native = (result.positions[-1].transpose(2, 1, 0, 3).reshape(-1, 3) - shown["centre"]).astype("f4")
+    assert result.time[-1] == shown["frame"] and (np.array(shown["points"], "f4").reshape(-1, 3) == native).all()
+    at = shown["rows"][shown["labels"].index("bumper")]
+    assert [shown["outputs"][n] for n in at] == [result.outputs[f"plane.bumper.reaction.{axis}"][-1] for axis in "xyz"]
+
+
+@pytest.mark.full
 def test_loads_are_pulled_and_obstacles_turned_by_pointer_and_keys(tmp_path, pages):
     scene = load_scene("press").replace({"load": [{"name": "push", "points": "x+"}]})
     pages("press")  # the library is there

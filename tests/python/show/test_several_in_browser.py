@@ -65,6 +65,7 @@ def test_components_are_in_one_picture_where_they_are_in_the_world(tmp_path):
         assert "lower: press, from its solid side" in opened.wait_for(f"{LABELS}.length && {LABELS}") and not opened.errors
 
 
+@pytest.mark.full
 def test_an_obstacle_is_hatched_and_named_from_its_solid_side(tmp_path):
     page = write_view(made_up_run(), tmp_path / "view.html")
     with Browser(page, tmp_path, hash="#t=0") as opened:

@@ -163,6 +163,8 @@ def test_a_run_without_recorded_positions_is_refused(tmp_path):
     result.positions[:] = np.nan
     with pytest.raises(SoftffdError, match=r'outputs.positions = "all"'):
         write_view(result, tmp_path / "view.html")
+    with pytest.raises(SoftffdError, match=r'blind: The run cannot .* outputs.positions = "all"'):
+        write_views({"seen": made_up_run(), "blind": result}, tmp_path / "view.html")
     assert not list(tmp_path.iterdir())
 
 

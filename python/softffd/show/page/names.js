@@ -44,7 +44,8 @@ function name_obstacles({ camera: matrix, eye }, pane, n) {
     let [x, y] = place_of_name(each, matrix);
     while (taken.some(other => Math.abs(other - y) < 26 / height)) y -= 26 / height;
     taken.push(y);
-    put(each.label, left + x * width, top + y * height);
+    const [before, after] = covered(), half = each.label.offsetWidth / 2 + 6;
+    put(each.label, left + Math.min(Math.max(x * width, before + half), width - after - half), top + y * height);
   }
   if (PANES.length > 1) put(pane.label ||= label(pane[0].name, "pane"), left + width / 2, Math.max(top, canvas.offsetTop > 0 ? 0 : element("title").parentNode.offsetHeight) + 16);
 }
