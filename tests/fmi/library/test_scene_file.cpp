@@ -30,8 +30,8 @@ TEST(a_scene_is_read_with_its_values) {
 }
 
 TEST(the_basis_is_that_of_beziers_volume_unless_the_scene_says_otherwise) {
-  CHECK(read().basis == softffd::Basis::bezier);
-  CHECK(read("basis bspline\n").basis == softffd::Basis::bspline);
+  CHECK(read().definition.sensed.basis == softffd::Basis::bezier);
+  CHECK(read("basis bspline\n").definition.sensed.basis == softffd::Basis::bspline);
 }
 
 TEST(the_finest_lattice_is_read) { CHECK(parse_scene(small_scene::Box{.side = 32}.text("")).definition.lattice.points() == 32 * 32 * 32); }
@@ -81,7 +81,9 @@ TEST(faulty_records_are_refused) {
   for (const char* records :
        {"plane_inputs point.z\n", "plane p fixed 0 0 0 0 0 1 0 0 0 0 0 0 0\nplane_inputs point.z\n", "internal_damping -1\n",
         "plane p input 0 0 0 0 0 1 0 0 0 0 0 0 0\nplane_inputs point\n", "pin p input 0\npin_inputs point.z\n",
-        "pin p input 0\npin_origin 0 0\n", "region_youngs_modulus -1 0\n", "region_internal_damping 0 8\n"})
+        "pin p input 0\npin_origin 0 0\n", "region_youngs_modulus -1 0\n", "region_internal_damping 0 8\n", "areas 1 2\n", "sensor a 0 1\n",
+        "sensor_taxels 1 1 0 0 1\n", "probe_outputs velocity\n", "probe a 0 0 0\nprobe_outputs stress\n",
+        "areas 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1 0 0 1\nsensor a 0 1\n"})
     CHECK(refused(records));
   CHECK(refused("", "guid {g}\ncounts 2 2 2\n"));
 }

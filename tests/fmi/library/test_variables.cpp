@@ -34,6 +34,7 @@ TEST(names_tell_the_member_and_the_component) {
   CHECK(name(Family::plane_friction, 1) == "plane.lid.friction" && name(Family::plane_contacts, 0) == "plane.ground.contacts");
   CHECK(name(Family::pin_orientation, 0) == "pin.hand.orientation.w" && name(Family::pin_reaction, 3) == "pin.hand.reaction.x");
   CHECK(name(Family::load, 1) == "load.push.y" && name(Family::probe, 0) == "probe.nose.x" && name(Family::mass, 0) == "mass");
+  CHECK(name(Family::sensor_taxel, 4) == "sensor.sole.taxel[0,1].y" && name(Family::sensor_area, 0) == "sensor.sole.area");
 }
 
 TEST(flat_names_have_underscores_at_control_points) {

@@ -18,14 +18,15 @@ inline const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiff
     "0.4\nplane lid input 0 0 9 0 0 "
     "-1 0 0 -1 0 0 0 0.1\n"
     "pin foot fixed 0\npin hand input 7\npin arm input 3\npin_inputs position.z orientation.w\nload push 1 2\nforces 2 3\nvelocities "
-    "5\nprobe nose 0.5 0.5 1\nreactions\nenergy\nsolver\n"
+    "5\nprobe nose 0.5 0.5 1\nprobe_outputs velocity acceleration maximum\nareas 0 0 -1 0 0 -1 0 0 -1 0 0 -1 0 0 1 0 0 1 0 0 1 0 0 1\n"
+    "sensor sole 0 1 1 1 2 1 3 1\nsensor_taxels 1 2 0 0 1 1 0 1 2 1 1 3 1 1\nreactions\nenergy\nsolver\n"
     "error_estimate\n");
 
 inline const std::vector<FamilyInfo> present = [] {
   std::vector<FamilyInfo> list(std::begin(families), std::end(families));
   std::erase_if(list, [](const FamilyInfo& info) {
     const bool of_solids = info.part == Part::solid || info.part == Part::probe_stress || info.part == Part::probe_von_mises ||
-                           info.part == Part::probe_stretch;
+                           info.part == Part::probe_stretch || info.part == Part::probe_largest_von_mises;
     return of_solids || info.part == Part::modulus || info.part == Part::input_boxes || info.part == Part::fixed_boxes;
   });
   return list;
