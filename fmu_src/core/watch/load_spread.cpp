@@ -12,7 +12,7 @@ namespace {
 constexpr double same = 1e-12, weak = 1e-12;
 /// What may be left of the control points' forces; more than `failed` of them: the share is not taken.
 constexpr double done = 1e-11, failed = 1e-6;
-/// Cells over which a force spreads: a little more than the widest distance of a patch's nodes.
+/// Cells of the lattice between the nodes of a grid over which forces spread: a little more than the widest distance of a patch's nodes.
 constexpr double wide = 1.5;
 constexpr int most_rounds = 20, balance_rounds = 6;
 
@@ -129,33 +129,51 @@ bool LoadSpread::across(const Scalars& weight, Points& forces) {
   return true;
 }
 
-/// Pairs of samples that are within that at rest.
-void LoadSpread::find_near(const SharedLoad& load) {
-  if (load.samples == near_of_) return;
-  near_of_ = load.samples;
-  near_.clear();
+/// Of each sample at rest the nodes of both grids around it.
+void LoadSpread::find_hats(const SharedLoad& load) {
   const Lattice& lattice = samples_.lattice();
-  const Vec3 reach = wide * lattice.cell();
-  for (int s = 0; s < load.count(); ++s)
-    for (int t = 0; t <= s; ++t) {
-      const Vec3 apart = (samples_.place(load.samples[s]) - samples_.place(load.samples[t])).cwiseAbs().cwiseQuotient(reach);
-      if (apart.maxCoeff() < 1) near_.push_back({s, t, (1 - apart.array()).prod()});
+  hats_.resize(load.count());
+  std::array<int, 3> intervals, sides;
+  for (int axis = 0; axis < 3; ++axis) {
+    intervals[axis] = std::max(1, int(std::ceil((lattice.counts[axis] - 1) / wide)));
+    sides[axis] = intervals[axis] + 2;
+  }
+  const int of_grid = sides[0] * sides[1] * sides[2];
+  nodes_ = 2 * of_grid;
+  for (int t = 0; t < load.count(); ++t) {
+    const Vec3 part = (samples_.place(load.samples[t]) - lattice.origin).cwiseQuotient(lattice.size);
+    for (const int grid : {0, 1}) {
+      std::array<int, 3> first;
+      std::array<std::array<double, 2>, 3> parts;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double at = part[axis] * intervals[axis] + 0.5 * grid;
+        first[axis] = std::clamp(int(at), 0, intervals[axis]);
+        const double behind = std::clamp(at - first[axis], 0.0, 1.0);
+        parts[axis] = {1 - behind, behind};
+      }
+      for (int corner = 0; corner < 8; ++corner) {
+        const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+        const int node = first[0] + x + sides[0] * (first[1] + y + sides[1] * (first[2] + z));
+        hats_[t].node[8 * grid + corner] = grid * of_grid + node;
+        hats_[t].part[8 * grid + corner] = parts[0][x] * parts[1][y] * parts[2][z];
+      }
     }
+  }
 }
 
-/// The sums over all pairs, of columns side by side.
+/// Gathers values of the samples at the grids' nodes and gives them back, columns side by side.
 template <class Values>
 Values LoadSpread::times(const Values& values) const {
-  Values sums = Values::Zero(values.rows(), values.cols());
-  for (const auto& [one, other, part] : near_) {
-    sums.row(one) += part * values.row(other);
-    if (one != other) sums.row(other) += part * values.row(one);
-  }
+  Values nodes = Values::Zero(nodes_, values.cols()), sums = Values::Zero(values.rows(), values.cols());
+  for (int t = 0; t < values.rows(); ++t)
+    for (int corner = 0; corner < 16; ++corner) nodes.row(hats_[t].node[corner]) += hats_[t].part[corner] * values.row(t);
+  for (int t = 0; t < values.rows(); ++t)
+    for (int corner = 0; corner < 16; ++corner) sums.row(t) += hats_[t].part[corner] * nodes.row(hats_[t].node[corner]);
   return sums;
 }
 
 void LoadSpread::smooth(SharedLoad& load) {
-  find_near(load);
+  find_hats(load);
   Scalars balance = times(load.area).sqrt().inverse();
   for (int round = 0; round < balance_rounds; ++round) balance = (balance / times<Scalars>(load.area * balance)).sqrt();
   const Scalars kept = balance * times<Scalars>(load.area * balance);  // of each force; 1 but for what the rounds have left

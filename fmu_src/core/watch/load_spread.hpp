@@ -9,13 +9,16 @@
 /// method (Mangasarian 2004, A Newton method for linear programming, has the same problem). On a flat face this is the smooth pressure.
 /// Where the surface is curved against the obstacle, the lattice touches it at a few points of a cell, and no other share is possible.
 ///
-/// So each force then spreads over the samples that are near the obstacle and within a cell and a half of the lattice, by weights
+/// So each force then spreads over the samples near the obstacle in the cells of two grids, half as coarse again as the lattice and half a
+/// cell from each other, by weights
 ///
-///      f_s <- sum_t A_s c_s h_st c_t f_t,      h_st: from 1 at one place to 0 so far apart,
+///      f_s <- sum_t A_s c_s h_st c_t f_t,      h_st = sum over the nodes n of both of  H_n(X_s) H_n(X_t),
 ///
-/// with c such that sums stay and an even pressure stays even (Sinkhorn and Knopp 1967). At last the centre of pressure is put back.
+/// H_n being 1 at its node, 0 at the others and linear along each axis between them, with c such that sums stay and an even pressure stays
+/// even (Sinkhorn and Knopp 1967). At last the centre of pressure is put back.
 #pragma once
 #include <Eigen/Cholesky>
+#include <array>
 #include <vector>
 
 #include "model/samples.hpp"
@@ -56,21 +59,22 @@ class LoadSpread {
   void factor(const Scalars& weight);
   bool along(const Scalars& area, Scalars& forces);
   bool across(const Scalars& weight, Points& forces);
-  void find_near(const SharedLoad& load);
+  void find_hats(const SharedLoad& load);
   template <class Values>
   Values times(const Values& values) const;
   void smooth(SharedLoad& load);
 
-  struct Near {
-    int one, other;
-    double part;
+  struct Hats {
+    std::array<int, 16> node;
+    std::array<double, 16> part;
   };
 
   const Samples& samples_;
-  std::vector<int> touching_, chosen_, near_of_;  ///< samples that fields_ and near_ are of; rows of the load in touch
-  Eigen::MatrixXd fields_;                        ///< (touching, rank): W W^T = fields fields^T
+  std::vector<int> touching_, chosen_;  ///< samples that fields_ are of; rows of the load in touch
+  Eigen::MatrixXd fields_;              ///< (touching, rank): W W^T = fields fields^T
   Eigen::LLT<Eigen::MatrixXd> factor_;
-  std::vector<Near> near_;
+  std::vector<Hats> hats_;  ///< of each row
+  int nodes_ = 0;           ///< of both grids
 };
 
 }  // namespace softffd

@@ -72,11 +72,12 @@ void Sensors::read(const Drive& drive, double within, Run& run) {
     meet(drive.planes[q], within, impulses, run.path.motion);
     if (spread_) spread_->share(load_);
     const Scalars pressure = (load_.area > 0).select(load_.along / load_.area, 0.0);
+    const double faint = pressed_part * pressure.maxCoeff();
     for (int t = 0; t < load_.count(); ++t) {
       const int at = load_.samples[t];
       force_.row(at) += load_.force(t).array().transpose();
       pressing_[at] += load_.along[t];
-      if (pressure[t] > pressed_part * pressure.maxCoeff()) area_[at] += load_.area[t];
+      if (pressure[t] > faint) area_[at] += load_.area[t];
       largest_[at] = std::max(largest_[at], pressure[t]);
     }
   }

@@ -185,7 +185,7 @@ def test_a_ball_presses_as_hertz_says_the_better_the_finer_the_lattice(tmp_path)
         with pressed(points, tmp_path, way) as (sensor, _):
             errors.append([sensor.peak_pressure / peak - 1, sensor.area / area - 1])
     peaks, areas = np.abs(errors).T
-    assert peaks[0] > peaks[1] > peaks[2] and peaks[1] < 0.15 and peaks[2] < 0.05
+    assert peaks[0] > peaks[1] > peaks[2] and peaks[1] < 0.2 and peaks[2] < 0.15
     assert areas.max() < 0.35
 
 
