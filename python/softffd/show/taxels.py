@@ -1,0 +1,61 @@
+"""The picture of a sensor: maps of the contact pressure on its taxels at telling moments, and the largest and the mean over time."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter, MaxNLocator
+
+from softffd.run.pressure import grid_of
+from softffd.run.result import Result
+from softffd.show.figure import PLAIN, Box, draw_curves, draw_scale, draw_words, new_figure, quantity
+from softffd.show.tension import RAMP
+from softffd.taxels import TaxelGrid
+
+
+def taxel_picture(result: Result, name: str) -> Figure:
+    """That of Result.plot_taxels."""
+    grid, pressure = grid_of(result.taxels, name), result.taxel_pressure(name)
+    moments = pressed_moments(grid, pressure)
+    figure, ends = new_figure(13.0, 6.8, dpi=120), (0.0, float(pressure.max()) or 1.0)
+    draw_words(figure, f"{result.title}: contact pressure on the taxels of {name}", (0.02, 0.965), 14, "left", weight="bold")
+    width = 0.96 / len(moments)
+    for number, (frame, words) in enumerate(moments.items()):
+        caption = f"{words}, t = {result.time[frame]:.4g} s: {quantity(float(pressure[frame].max()), 'Pa')}"
+        _draw_map(figure, (0.02 + (number + 0.2) * width, 0.53, 0.76 * width, 0.33), grid, pressure[frame], ends, caption)
+    draw_scale(figure, (0.40, 0.435, 0.40, 0.014), RAMP, ends, "Pa", "mean of the communication step")
+    means = (pressure * np.array(grid.areas)).sum(axis=(1, 2)) / np.sum(grid.areas)
+    curves = {"largest of a taxel": pressure.max(axis=(1, 2)), "mean over all taxels": means}
+    marks = [result.time[frame] for frame in moments]
+    draw_curves(figure, (0.075, 0.09, 0.905, 0.24), "contact pressure", "Pa", np.asarray(result.time), curves, steps=True, marks=marks)
+    return figure
+
+
+def pressed_moments(grid: TaxelGrid, pressure: np.ndarray) -> dict[int, str]:
+    """First contact, largest pressure of a taxel, largest force and end, in the order of time: {frame: words}; of those of one frame, or
+    without contact, fewer."""
+    force = (pressure * np.array(grid.areas)).sum(axis=(1, 2))
+    found = {len(pressure) - 1: "end"}
+    if pressure.any():
+        for frame, words in (
+            (int(force.argmax()), "largest force"),
+            (int(pressure.max(axis=(1, 2)).argmax()), "largest pressure"),
+            (int(pressure.any(axis=(1, 2)).argmax()), "first contact"),
+        ):
+            found[frame] = f"{words} and {found[frame]}" if frame in found else words
+    return dict(sorted(found.items()))
+
+
+def _draw_map(figure: Figure, box: Box, grid: TaxelGrid, pressure: np.ndarray, ends: Sequence[float], caption: str) -> None:
+    """One grid over its two axes at rest."""
+    axes = figure.add_axes(box)
+    (left, low), (right, high) = grid.lower, grid.upper
+    axes.imshow(
+        pressure.T, cmap=RAMP, vmin=ends[0], vmax=ends[1], origin="lower", extent=(left, right, low, high), interpolation="nearest",
+    )  # fmt: skip
+    for side, axis in zip((axes.xaxis, axes.yaxis), grid.along, strict=True):
+        side.set_major_formatter(EngFormatter(unit="m", sep=" "))
+        side.set_major_locator(MaxNLocator(4))
+        side.set_label_text("xyz"[axis])
+    axes.tick_params(labelsize=8)
+    axes.set_title(caption, fontsize=10, **PLAIN)
