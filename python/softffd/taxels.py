@@ -33,7 +33,7 @@ class TaxelGrid:
     def pressures(self, forces: np.ndarray) -> np.ndarray:
         """Pa (..., n, m) of forces on the taxels along the axis (..., n, m) [N]: towards the object by the area; 0 where there is none."""
         areas = np.array(self.areas)
-        return np.where(areas > 0, -self.side * forces / np.where(areas > 0, areas, 1.0), 0.0)
+        return np.where(areas > 0, -self.side * forces / np.where(areas > 0, areas, 1.0), 0.0) + 0.0  # no -0.0
 
     def shares(self, places: np.ndarray) -> np.ndarray:
         """Where places (N, 3) [m] of the rest shape lie along the sides of the grid, 0 .. 1 within it, (N, 2)."""

@@ -14,6 +14,12 @@ FACES = 0.2
 """Least cosine between the normal of a vertex and the side that a grid faces, for it to be of the grid"""
 
 
+def outward(result: Result) -> np.ndarray:
+    """Unit vector (3,) that the first grid faces at rest."""
+    grid = with_pressure(result.taxels, result.outputs)[0]
+    return grid.side * np.eye(3)[grid.axis]
+
+
 def stage_pressure(result: Result, stage: Stage, frames: np.ndarray) -> np.ndarray:
     """At the vertices of the stage (T, V) [Pa]."""
     return surface_pressure(result.outputs, result.covered_by_taxels(_surface(result, stage)), frames)[:, _source(result, stage)]
