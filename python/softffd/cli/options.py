@@ -113,7 +113,9 @@ def _run(add: Add) -> None:
     folder = "Folder for the results; default: softffd-NAME, or softffd-NAME-2 and so on where that exists."
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help=folder)
     _add_overwrite(run, "the results of an earlier run")
-    colour = "Colour the picture by the von Mises stress (Pa) or the largest principal stretch of the cells, or the contact pressure (Pa) on taxels."
+    colour = (
+        "Colour the picture by the von Mises stress (Pa) or largest principal stretch of the cells, or the contact pressure on taxels (Pa)."
+    )
     run.add_argument("--colour", choices=["von_mises", "stretch", "contact_pressure"], help=colour)
     _add_lattice(run, "the picture")
     shown = run.add_mutually_exclusive_group()

@@ -290,9 +290,9 @@ class Result:
         return figure
 
     def plot_taxels(self, name: str, path: str | Path | None = None) -> Figure:
-        """The contact pressure on the taxels of a sensor: maps of the grid at its telling moments, first contact, largest pressure, largest
-        force and end, and its largest and mean pressure over time; written to `path` (PNG) where one is given. Returns matplotlib's Figure.
-        SoftffdError as in `taxel_pressure`."""
+        """The contact pressure on the taxels of a sensor: maps of the grid when half of the largest force is reached, at the largest
+        pressure, at the largest force, and at the end where that is pressed; the largest and the mean over time; written to `path` (PNG)
+        where one is given. Returns matplotlib's Figure. SoftffdError as in `taxel_pressure`."""
         from softffd.show.figure import png_of
         from softffd.show.taxels import taxel_picture
 

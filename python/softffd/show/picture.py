@@ -26,10 +26,9 @@ CAPTION = 0.32  # height of the line below the images, inches
 def run_picture(result: Result, *, colour: str | None = None, lattice: bool | None = None) -> Picture:
     """The picture of `result`: start, first contact, largest deformation, end; and the history.
 
-    colour: a name of `tension.COLOURS`, in place of the object's own
-    colours. lattice: draw the lattice; by default where there is no mesh,
-    which it would hide. The picture of contact pressure looks at the side that the first taxels face, and leaves out obstacles and contacts,
-    which would hide it.
+    colour: a name of `tension.COLOURS`, or contact_pressure, in place of the object's own colours. The picture of contact pressure looks
+    at the side that the first taxels face, and leaves out obstacles and contacts, which would hide it. lattice: draw the lattice; by
+    default where there is no mesh, which it would hide.
     Raises SoftffdError when positions of control points were not recorded.
     """
     stage = stage_of(result)

@@ -1,4 +1,4 @@
-"""Contact pressure of taxels as pictures and page have it: on the surface that is shown, as an atlas of all grids, and as maps over time."""
+"""Contact pressure of taxels as pictures and page have it: on the surface that is shown, and as an atlas of all grids."""
 
 from dataclasses import dataclass
 

@@ -12,6 +12,9 @@ from softffd.show.figure import PLAIN, Box, draw_curves, draw_scale, draw_words,
 from softffd.show.tension import RAMP
 from softffd.taxels import TaxelGrid
 
+PRESSED = 0.01
+"""Of the largest pressure of a run, what a map of the end must have"""
+
 
 def taxel_picture(result: Result, name: str) -> Figure:
     """That of Result.plot_taxels."""
@@ -32,18 +35,22 @@ def taxel_picture(result: Result, name: str) -> Figure:
 
 
 def pressed_moments(grid: TaxelGrid, pressure: np.ndarray) -> dict[int, str]:
-    """First contact, largest pressure of a taxel, largest force and end, in the order of time: {frame: words}; of those of one frame, or
-    without contact, fewer."""
+    """Half of the largest force, largest pressure of a taxel, largest force, and the end where that is pressed, in the order of time:
+    {frame: words}; of those of one frame fewer, without contact the end."""
     force = (pressure * np.array(grid.areas)).sum(axis=(1, 2))
-    found = {len(pressure) - 1: "end"}
-    if pressure.any():
-        for frame, words in (
-            (int(force.argmax()), "largest force"),
-            (int(pressure.max(axis=(1, 2)).argmax()), "largest pressure"),
-            (int(pressure.any(axis=(1, 2)).argmax()), "first contact"),
-        ):
-            found[frame] = f"{words} and {found[frame]}" if frame in found else words
-    return dict(sorted(found.items()))
+    last, largest = len(pressure) - 1, pressure.max(axis=(1, 2))
+    if largest.max() <= 0:
+        return {last: "end"}
+    found: dict[int, list[str]] = {}
+    for frame, words in (
+        (int((force >= force.max() / 2).argmax()), "half of the largest force"),
+        (int(largest.argmax()), "largest pressure"),
+        (int(force.argmax()), "largest force"),
+        (last, "end"),
+    ):
+        if words != "end" or largest[last] > PRESSED * largest.max():
+            found.setdefault(frame, []).append(words)
+    return {frame: " and ".join(found[frame]) for frame in sorted(found)}
 
 
 def _draw_map(figure: Figure, box: Box, grid: TaxelGrid, pressure: np.ndarray, ends: Sequence[float], caption: str) -> None:

@@ -47,7 +47,9 @@ def test_pressures_by_areas_sum_to_the_force_and_are_even_at_rest(rested):
 def test_the_surface_has_the_pressure_where_taxels_are_and_none_elsewhere(rested):
     pressure, surface = rested.contact_pressure(), surface_of(rested)
     assert pressure.shape == (len(surface.vertices),) and np.isfinite(rested.contact_pressure(slice(None))).all()
-    foot = np.unique(surface.faces[np.ptp(surface.vertices[surface.faces][..., 2], axis=1) + surface.vertices[surface.faces][:, 0, 2] < 1e-12])
+    foot = np.unique(
+        surface.faces[np.ptp(surface.vertices[surface.faces][..., 2], axis=1) + surface.vertices[surface.faces][:, 0, 2] < 1e-12]
+    )
     assert pressure[foot] == pytest.approx(WEIGHT / SIDE**2, rel=0.05)
     assert not np.delete(pressure, foot).any()
 
