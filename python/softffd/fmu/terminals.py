@@ -1,4 +1,4 @@
-"""terminalsAndIcons.xml: the variables of each obstacle, pin, load, probe and sensor as a terminal, for tools that connect these as a whole.
+"""terminalsAndIcons.xml: the variables of each obstacle, pin, load, probe and sensor as a terminal, for tools that connect them as one.
 
 FMI 3.0 defines the file (section 2.4.9), and FMI 2.0.4 takes it over as it is, the version that it states included. What belongs to a
 part comes from the variables' names: `plane.press.reaction.z` is the member `reaction.z` of the terminal `plane.press`, and in FMI 3.0

@@ -47,7 +47,7 @@ def _behind(stage: Stage, backs: np.ndarray) -> np.ndarray:
         eyes, middle = stage.centre + distance * stage.radius * backs, stage.positions[frame].mean(axis=(0, 1, 2))
         between = middle + (eyes - middle) * np.linspace(0, 1, SAMPLES)[:, None, None]
         hidden = [plane.gap(frame, eyes) < 0 for plane in stage.planes]
-        hidden += [(solid.gap(frame, between.reshape(-1, 3)).reshape(SAMPLES, -1) < 0).any(axis=0) for solid in stage.solids]
+        hidden += [solid.gap(frame, between.reshape(-1, 3)).reshape(SAMPLES, -1).min(axis=0) < 0 for solid in stage.solids]
         counted += np.sum(hidden, axis=0) / (len(frames) * len(DISTANCES))
     return counted
 
