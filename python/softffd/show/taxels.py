@@ -56,7 +56,9 @@ def pressed_moments(grid: TaxelGrid, pressure: np.ndarray) -> dict[int, str]:
 def _draw_map(figure: Figure, box: Box, grid: TaxelGrid, pressure: np.ndarray, ends: Sequence[float], caption: str) -> None:
     """One grid over its two axes at rest."""
     axes = figure.add_axes(box)
-    (left, low), (right, high) = grid.lower, grid.upper
+    lower, upper = np.array(grid.lower), np.array(grid.upper)
+    half = np.where(upper > lower, 0.0, np.sqrt(np.sum(grid.areas)) / 2)  # of a patch that has one place along a side
+    (left, low), (right, high) = lower - half, upper + half
     axes.imshow(
         pressure.T, cmap=RAMP, vmin=ends[0], vmax=ends[1], origin="lower", extent=(left, right, low, high), interpolation="nearest",
     )  # fmt: skip

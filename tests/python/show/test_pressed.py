@@ -18,6 +18,7 @@ from solids import solid
 
 FOOT = {"name": "foot", "on": "z-", "taxels": [3, 2]}
 BACK = {"name": "back", "on": "x-", "taxels": [2, 5]}
+CORNER = {"name": "corner", "on": {"box": [[0, 0, 0], [0.001, 0.001, 0.001]]}, "taxels": [1, 1]}
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +55,14 @@ def test_the_picture_of_taxels_has_a_map_for_each_moment(felt):
 def test_the_picture_of_a_run_that_touched_nothing_says_so(felt):
     assert pressed_moments(felt.taxels[1], 0 * felt.taxel_pressure("back")) == {len(felt.time) - 1: "end"}
     assert felt.plot_taxels("back").axes
+
+
+def test_a_patch_of_one_place_has_a_picture_and_a_page(felt, tmp_path):
+    one = simulate(felt.scene.replace({"sensor": [CORNER]}), stop_time=0.1)
+    pressure = one.taxel_pressure("corner")
+    assert pressure.shape == (len(one.time), 1, 1) and pressure.max() > 0
+    left, right = one.plot_taxels("corner").axes[0].get_xlim()
+    assert right > left and run_of(write_view(one, tmp_path / "view.html"))["rows"][-1]["taxels"]["aspect"] == 1
 
 
 def test_the_page_holds_the_taxels_of_every_frame(felt, tmp_path):
