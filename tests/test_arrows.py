@@ -20,7 +20,7 @@ MADE = ("variable_table.hpp", "fmi2FunctionTypes.h", "fmi2Functions.h", "fmi2Typ
 
 PYTHON_ROOMS = [
     *("validation", "cli", "accuracy", "fitting", "export", "show", "drivers", "bridges", "run", "fmu", "scene", "embedding", "mesh"),
-    *("names", "lattice", "obstacles", "rotation", "files", "installed", "spelling", "errors"),
+    *("names", "lattice", "obstacles", "taxels", "rotation", "files", "installed", "spelling", "errors"),
 ]
 """The shipped scenes are data, and the package's own __init__ knows everybody."""
 

@@ -34,13 +34,13 @@ def opened(surface):
         data = data[planes * count :]
     assert not data
     *of_vertices, second, third = columns
-    of_vertices = [np.cumsum(each) for each in of_vertices]
-    triangles = np.stack([of_vertices[10], of_vertices[10] + second, of_vertices[10] + third], axis=1)
+    *of_vertices, first = [np.cumsum(each) for each in of_vertices]
+    triangles = np.stack([first, first + second, first + third], axis=1)
     place, coordinates, uv = (
         np.stack(of_vertices[3:5], axis=1) / 2047,
         *(
-            np.stack([low + step * of_vertices[first + a] for a, (low, step) in enumerate(surface[scales])], axis=1)
-            for first, scales in ((0, "scales"), (8, "uv_scales"))
+            np.stack([low + step * of_vertices[begin + a] for a, (low, step) in enumerate(surface[scales])], axis=1)
+            for begin, scales in ((0, "scales"), (8, "uv_scales"))
         ),
     )
     up = 1 - np.abs(place).sum(axis=1, keepdims=True)

@@ -113,8 +113,10 @@ def _run(add: Add) -> None:
     folder = "Folder for the results; default: softffd-NAME, or softffd-NAME-2 and so on where that exists."
     run.add_argument("-o", "--output", type=Path, metavar="DIR", help=folder)
     _add_overwrite(run, "the results of an earlier run")
-    colour = "Colour the picture by the von Mises stress (Pa) or the largest principal stretch of the cells."
-    run.add_argument("--colour", choices=["von_mises", "stretch"], help=colour)
+    colour = (
+        "Colour the picture by the von Mises stress (Pa) or largest principal stretch of the cells, or the contact pressure on taxels (Pa)."
+    )
+    run.add_argument("--colour", choices=["von_mises", "stretch", "contact_pressure"], help=colour)
     _add_lattice(run, "the picture")
     shown = run.add_mutually_exclusive_group()
     shown.add_argument("--view", action="store_true", help="Open the interactive page when the run has ended.")

@@ -95,7 +95,7 @@ def vertices_on(where: Where, mesh: Mesh) -> Array:
     else:
         mine = np.ones(len(mesh.faces), dtype=bool)
     sizes = np.repeat(np.linalg.norm(area_vectors(mesh.vertices[mesh.faces[mine]]), axis=1) / 6, 3)
-    around = np.bincount(mesh.faces[mine].ravel(), weights=sizes, minlength=len(mesh.vertices))
+    around: Array = np.bincount(mesh.faces[mine].ravel(), weights=sizes, minlength=len(mesh.vertices)).astype(np.float64)
     return around if isinstance(where, str) else np.where(_inside(where, mesh.vertices), around, 0.0)
 
 

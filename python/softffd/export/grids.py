@@ -1,11 +1,12 @@
 """A run as VTK's unstructured grids: the object's surface, its lattice, and each obstacle, whose points move and whose cells stay.
 
-    mesh           displacement at the points; between the centres of cells, as pictures have them, the quantities of show/tension.py
+    mesh           displacement at the points; between the centres of cells, as pictures have them, the quantities of show/tension.py; where
+                   the scene has taxels, contact_pressure in Pa, likewise between their centres
     lattice        displacement of the control points (of a solid, of its material); of each cell strain (Green-Lagrange), stress (Cauchy)
                    in Pa, and these quantities. Tensors are xx, yy, zz, xy, yz, xz. Inverted cells have a stress of NaN.
     KIND_NAME      an obstacle in its pose
 
-Stress is there where the result has its scene. Pressure of contact is not: a result has reactions, the sums.
+Stress is there where the result has its scene.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ import numpy as np
 from softffd.errors import SoftffdError
 from softffd.export.take import Rigid, Take
 from softffd.lattice import index_grid, rest_grid, to_flat
+from softffd.run.pressure import Covered, surface_pressure
+from softffd.show import pressed
 from softffd.show.tension import COLOURS, at_places
 
 TRIANGLE, HEXAHEDRON = 5, 12
@@ -52,7 +55,8 @@ def grids_of(take: Take) -> list[Grid]:
     rest = to_flat(rest_grid(stage.counts, stage.origin, stage.size))
     places = (take.mesh.vertices - stage.origin) / stage.size
     measured = lru_cache(maxsize=1)(partial(_measured, take, measures))  # of a row, for the surface and for the lattice
-    surface, lattice = partial(_surface, take, places, measured), partial(_lattice, take, rest, measured)
+    parts = take.result.covered_by_taxels(take.mesh)
+    surface, lattice = partial(_surface, take, places, measured, parts), partial(_lattice, take, rest, measured)
     kinds = {part.name: str(part).replace(".", "_") for part in take.result.obstacle_parts()}
     obstacles = [Grid(kinds[each.name], each.faces, partial(_obstacle, each)) for each in take.obstacles]
     return [Grid("mesh", take.mesh.faces, surface), Grid("lattice", _hexahedra(stage.counts), lattice), *obstacles]
@@ -70,9 +74,11 @@ def _measured(take: Take, measures: list[str], row: int) -> Arrays:
     return {name: COLOURS[name][2](take.result, row) for name in measures}
 
 
-def _surface(take: Take, places: np.ndarray, measured: Measured, row: int) -> tuple[np.ndarray, Arrays, Arrays]:
+def _surface(take: Take, places: np.ndarray, measured: Measured, parts: list[Covered], row: int) -> tuple[np.ndarray, Arrays, Arrays]:
     points = take.deformed(row)
     between = {name: at_places(values, places) for name, values in measured(row).items()}
+    if parts:
+        between[pressed.NAME] = surface_pressure(take.result.outputs, parts, row)
     return points, {"displacement": points - take.mesh.vertices, **between}, {}
 
 

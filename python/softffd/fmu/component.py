@@ -23,7 +23,7 @@ from softffd.fmu.archive import of_another_machine, platforms, unpack
 from softffd.fmu.block import KINDS, Block, number_of
 from softffd.fmu.interface import ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
-from softffd.fmu.records import PinRecord, read_lattice, read_obstacles, read_pins
+from softffd.fmu.records import PinRecord, read_lattice, read_obstacles, read_pins, read_taxels
 from softffd.installed import loaded_library
 from softffd.lattice import LatticeBox
 
@@ -85,6 +85,7 @@ class Component:
         self.lattice: LatticeBox | None = read_lattice(Path(self._folder) / "resources")
         """Of an FMU of this package"""
         self.obstacles = read_obstacles(Path(self._folder) / "resources")
+        self.taxels = read_taxels(Path(self._folder) / "resources")
         """Likewise"""
         if not running:
             return

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
+from softffd.embedding.patches import lattice_places
 from softffd.fmu.variables import internal_damping_present, method_value, spring_damping_present
 from softffd.lattice import LatticeBox, Point, point_at, to_flat
 from softffd.names import PROBED
 from softffd.obstacles import Obstacles, SolidShape
+from softffd.taxels import TaxelGrid
 
 if TYPE_CHECKING:
     from softffd.embedding.mass import Masses
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 NAME, HEAD = "scene.txt", "softffd-scene 2"
+ONE_WAY = 0.5
+"""Of all that the places of a patch have of area along an axis, what must face one way for its taxels to have a pressure"""
 T = TypeVar("T")
 
 
@@ -168,6 +172,39 @@ def read_obstacles(resources: Path) -> Obstacles | None:
     if not lines:
         return None
     return Obstacles("surface" if any(key == "sample" for key, *_ in lines) else "lattice", tuple(found))
+
+
+def read_taxels(resources: Path) -> tuple[TaxelGrid, ...]:
+    """The grids of taxels of an FMU of this package, in the order of its sensors."""
+    found, lines = [], _lines(resources)
+    if not any(key == "sensor_taxels" for key, *_ in lines):
+        return ()
+    samples = [words for key, *words in lines if key == "sample"]
+    areas = np.array([words for key, *words in lines if key == "areas"], dtype=float).reshape(-1, 3)
+    box = read_lattice(resources)
+    assert box is not None
+    places = np.array(samples, dtype=float) if samples else lattice_places(box, solid=box.basis == "patches")
+    name, mine = "", np.zeros(0, dtype=np.int64)
+    for key, *words in lines:
+        if key == "sensor":
+            name, mine = words[0], np.array(words[1::2], dtype=np.int64)
+        elif key == "sensor_taxels":
+            found.append(_grid(name, places, areas, mine, (int(words[0]), int(words[1])), np.array(words[2:], dtype=float).reshape(-1, 3)))
+    return tuple(found)
+
+
+def _grid(
+    name: str, places: np.ndarray, areas: np.ndarray, mine: np.ndarray, counts: tuple[int, int], shares: np.ndarray
+) -> TaxelGrid:  # fmt: skip
+    """shares: rows of place, taxel and part, as in embedding/patches.py, whose choice of the axis this is."""
+    total = areas[mine].sum(axis=0)
+    axis = int(abs(total).argmax())
+    size = abs(areas[:, axis])
+    side = int(np.sign(total[axis])) if abs(total[axis]) >= ONE_WAY * size[mine].sum() else 0
+    around = np.bincount(shares[:, 1].astype(int), shares[:, 2] * size[shares[:, 0].astype(int)], counts[0] * counts[1])
+    ends = places[mine][:, [other for other in range(3) if other != axis]]
+    lower, upper = ends.min(axis=0).tolist(), ends.max(axis=0).tolist()
+    return TaxelGrid(name, axis, side, (lower[0], lower[1]), (upper[0], upper[1]), tuple(map(tuple, around.reshape(counts).tolist())))
 
 
 def read_points(resources: Path, key: str) -> list[Point]:

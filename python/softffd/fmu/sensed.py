@@ -35,7 +35,7 @@ def scene_patches(scene: Scene, samples: Samples | None) -> Patches | None:
         assert mesh is not None
         of_vertex = nearest(mesh.vertices, places)
         areas = areas_around(mesh, of_vertex, len(places))
-        around = [np.bincount(of_vertex, vertices_on(sensor.where, mesh), len(places)) for sensor in scene.sensor]
+        around = [np.bincount(of_vertex, vertices_on(sensor.where, mesh), len(places)).astype(np.float64) for sensor in scene.sensor]
     patches = []
     for sensor, weights in zip(scene.sensor, around, strict=True):
         mine = weights.nonzero()[0]

@@ -20,10 +20,12 @@ from softffd.names import OBSTACLES, ByName, Part, listed, parts_of, variable_na
 from softffd.obstacles import Obstacles
 from softffd.rotation import turned
 from softffd.run.parts import require_name
+from softffd.run.pressure import Covered, covered, grid_of, surface_pressure, taxel_pressure
 from softffd.run.result_file import read_result, write_files
 from softffd.run.stress import deformation, green_strain, lattice_gradients, lattice_stress
 from softffd.run.tables import data_frame, dataset
 from softffd.spelling import did_you_mean, nearest_of
+from softffd.taxels import TaxelGrid
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -79,6 +81,8 @@ class Result:
     """What meets them, and shapes of solid ones, as the FMU has them; None for an FMU that is not of this package"""
     log: tuple[Message, ...] = ()
     """All that the component said"""
+    taxels: tuple[TaxelGrid, ...] = ()
+    """The grids of the sensors that have taxels, as the FMU has them"""
     sceneless: str = ""
     """Why a result that was loaded from a file is without the scene that it had"""
 
@@ -135,6 +139,28 @@ class Result:
         if self.scene is None:
             raise SoftffdError(f"stress: wanted a run with its scene, which defines the material{self.sceneless and f'; {self.sceneless}'}")
         return lattice_stress(positions, lattice, self.scene, self.parameters)
+
+    def taxel_pressure(self, name: str) -> np.ndarray:
+        """Contact pressure on the taxels of a sensor over time, (T, n, m) [Pa]: the mean of the communication step that ends at each time.
+
+        The force on a taxel towards the object, along the axis that the sensor's patch faces most, by the taxel's area at rest seen along
+        this axis. SoftffdError with the nearest name for a sensor without taxels or one that is not there, and where the patch faces both
+        ways along every axis."""
+        return taxel_pressure(self.outputs, grid_of(self.taxels, name))
+
+    def contact_pressure(self, row: int | slice = -1) -> np.ndarray:
+        """Contact pressure at the vertices (V,) [Pa] of the scene's mesh, without a mesh of the box's surface that pictures show, at a row
+        of `time`, the last by default; (T, V) for a slice. It is linear between the centres of taxels, 0 where there are none, and the
+        largest where sensors overlap. SoftffdError for a run without taxels, or without a mesh and recorded positions."""
+        from softffd.show.stage import surface_of
+
+        self._positions_at(row, "contact_pressure")
+        return surface_pressure(self.outputs, self.covered_by_taxels(surface_of(self)), row)
+
+    def covered_by_taxels(self, surface: Mesh) -> list[Covered]:
+        """What each sensor's taxels cover of a surface at rest, the scene's mesh or that of the box; none without taxels."""
+        patches = {sensor.name: sensor.where for sensor in self.scene.sensor} if self.scene and surface is self.loaded_mesh else {}
+        return covered(self.taxels, self.outputs, surface, patches)
 
     def _of_lattice(self, row: int | slice, who: str) -> tuple[np.ndarray, LatticeBox]:
         if self.lattice is None or not self.has_positions:
@@ -246,7 +272,8 @@ class Result:
         lattice: bool | None = None,
     ) -> Figure:  # fmt: skip
         """The picture of the run: its telling moments, with its scene's mesh, and the curves; written to `path` (PNG) where one is given.
-        colour: "von_mises" (stress) or "stretch" (the largest principal one) of the cells, in place of the object's own colours.
+        colour: "von_mises" (stress) or "stretch" (the largest principal one) of the cells, or "contact_pressure" on taxels, in place of
+        the object's own colours.
         lattice: show the lattice; by default where there is no mesh.
         With `y`, names of outputs or inputs, a vector's for its components, those alone over `x`, time or another one of them:
         plot(x="plane.press.point.z", y="plane.press.reaction.z").
@@ -258,6 +285,18 @@ class Result:
         if (x != "time" and not y) or ((colour or lattice is not None) and y):
             raise SoftffdError("plot: wanted x with y, and colour and lattice without them")
         figure = curve_picture(self, x=x, y=y) if y else run_picture(self, colour=colour, lattice=lattice)
+        if path is not None:
+            write_bytes(path, png_of(figure))
+        return figure
+
+    def plot_taxels(self, name: str, path: str | Path | None = None) -> Figure:
+        """The contact pressure on the taxels of a sensor: maps of the grid when half of the largest force is reached, at the largest
+        pressure, at the largest force, and at the end where that is pressed; the largest and the mean over time; written to `path` (PNG)
+        where one is given. Returns matplotlib's Figure. SoftffdError as in `taxel_pressure`."""
+        from softffd.show.figure import png_of
+        from softffd.show.taxels import taxel_picture
+
+        figure = taxel_picture(self, name)
         if path is not None:
             write_bytes(path, png_of(figure))
         return figure

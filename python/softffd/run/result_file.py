@@ -33,6 +33,7 @@ from softffd.lattice import LatticeBox
 from softffd.obstacles import Obstacles
 from softffd.run.npz import UNREADABLE, damaged, read_arrays, write_arrays
 from softffd.scene.document import SHIPPED, shown
+from softffd.taxels import TaxelGrid
 
 if TYPE_CHECKING:
     from softffd.mesh.mesh import Mesh
@@ -68,6 +69,7 @@ class Header:
     log: tuple[Message, ...]
     scene: KeptScene | None
     obstacles: Obstacles | None = None
+    taxels: tuple[TaxelGrid, ...] = ()
 
 
 def write_files(path: Path, fields: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> list[Path]:
@@ -98,7 +100,7 @@ def _write_result(fields: Mapping[str, Any], stream: BinaryIO) -> None:
 
 def _header(
     *, outputs: Mapping[str, Any], inputs: Mapping[str, Any], lattice: LatticeBox | None, obstacles: Obstacles | None,
-    log: tuple[Message, ...], scene: Scene | None, **others: Any,
+    log: tuple[Message, ...], scene: Scene | None, taxels: tuple[TaxelGrid, ...], **others: Any,
 ) -> dict[str, Any]:  # fmt: skip
     kept = scene and KeptScene(scene.path, scene.keys_given(), _fingerprint(scene.loaded_mesh) if scene.loaded_mesh else None)
     return {
@@ -106,6 +108,7 @@ def _header(
         **{key: others[key] for key in ("parameters", "summary", "flat_names")},
         "outputs": list(outputs), "inputs": list(inputs), "log": [list(message) for message in log],
         "lattice": lattice and asdict(lattice), "obstacles": obstacles and asdict(obstacles), "scene": kept and vars(kept),
+        **({"taxels": [asdict(grid) for grid in taxels]} if taxels else {}),
     }  # fmt: skip
 
 
@@ -149,7 +152,7 @@ def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
     except (KeyError, TypeError, *UNREADABLE) as fault:
         raise damaged(path, "result", fault) from None
     scene, why = (None, "") if header.scene is None else _scene(header.scene, header.lattice, path.absolute().parent, mesh)
-    told = {name: getattr(header, name) for name in ("parameters", "summary", "lattice", "flat_names", "obstacles", "log")}
+    told = {name: getattr(header, name) for name in ("parameters", "summary", "lattice", "flat_names", "obstacles", "log", "taxels")}
     return fields | told | {"scene": scene, "sceneless": why}
 
 

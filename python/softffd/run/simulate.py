@@ -200,7 +200,7 @@ class _Run(Drive):
         parameters = {name: value for name, value in starts.items() if causality[name] == "parameter"}
         return Result(
             self.times[rows], positions, others, held, parameters, summary, scene, component.lattice, component.interface.flat,
-            component.obstacles, tuple(self._simulation.log),
+            component.obstacles, tuple(self._simulation.log), taxels=component.taxels,
         )  # fmt: skip
 
 

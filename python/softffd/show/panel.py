@@ -23,16 +23,16 @@ class Panels:
     """Images of a stage in some `frames`, `width` x `height` pixels each, all by one camera.
 
     tints: colours (V, 3) of the vertices by frame, where they are not those of the stage's skin. touch: the contacts to show.
-    lattice: draw the lattice, not only the control points that pins hold.
+    lattice: draw the lattice, not only the control points that pins hold. view: from where, as in sight.py; by default its first one.
     """
 
     def __init__(
         self, stage: Stage, frames: Sequence[int], width: int, height: int, *, tints: Mapping[int, np.ndarray] | None = None,
-        touch: Touch | None = None, lattice: bool = True,
+        touch: Touch | None = None, lattice: bool = True, view: tuple[float, float] | None = None,
     ):  # fmt: skip
         self._tints, self._touch, self._lattice = tints or {}, touch, lattice
         self._stage, self._width, self._height = stage, width, height
-        self._axes = view_axes(stage.up, first_sight([stage]))
+        self._axes = view_axes(stage.up, view or first_sight([stage]))
         small = len(stage.faces) <= SMOOTH_FACES
         self._normals = ShadingNormals(stage.vertices, stage.faces) if small else None
         self._paint = stage.skin.painter(stage.faces)

@@ -1,6 +1,7 @@
 """Pictures of a run: its telling moments in a row, and the curves of its reactions and energies below."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,10 @@ from softffd.errors import SoftffdError
 from softffd.names import components_in, unit_of
 from softffd.run.findings import energies, heights, reactions
 from softffd.run.result import Columns, Result
+from softffd.show import pressed
 from softffd.show.figure import SOFT, Box, Picture, draw_curves, draw_scale, draw_words, new_figure, quantity
 from softffd.show.panel import Panels
+from softffd.show.sight import sight_onto
 from softffd.show.stage import Stage, stage_of, up_direction
 from softffd.show.tension import RAMP, tension_of
 from softffd.show.touch import Touch, touch_of
@@ -23,23 +26,27 @@ CAPTION = 0.32  # height of the line below the images, inches
 def run_picture(result: Result, *, colour: str | None = None, lattice: bool | None = None) -> Picture:
     """The picture of `result`: start, first contact, largest deformation, end; and the history.
 
-    colour: a name of `tension.COLOURS`, in place of the object's own
-    colours. lattice: draw the lattice; by default where there is no mesh,
-    which it would hide.
+    colour: a name of `tension.COLOURS`, or contact_pressure, in place of the object's own colours. The picture of contact pressure looks
+    at the side that the first taxels face, and leaves out obstacles and contacts, which would hide it. lattice: draw the lattice; by
+    default where there is no mesh, which it would hide.
     Raises SoftffdError when positions of control points were not recorded.
     """
     stage = stage_of(result)
     moments = telling_moments(result)
     cells, tints = tension_of(result, stage, list(moments), colour) if colour else (None, {})
-    touch = touch_of(result, stage)
+    touch, view = touch_of(result, stage), None
+    if colour == pressed.NAME:
+        stage, view = replace(stage, planes=(), solids=()), sight_onto(stage.up, pressed.outward(result))
     shown = stage.is_cage if lattice is None else lattice
     low = 0.45 if cells else 0.40
     figure, box = new_figure(13.0, 7.6, dpi=130), (0.02, low, 0.96, 0.93 - low)
     captions = [f"{what}, t = {stage.time[frame]:.4g} s" for frame, what in moments.items()]
-    _draw_images(figure, stage, list(moments), captions, box=box, tints=tints, touch=touch, lattice=shown)
+    _draw_images(figure, stage, list(moments), captions, box=box, tints=tints, touch=None if view else touch, lattice=shown, view=view)
     draw_words(figure, stage.title, (0.02, 0.965), 15, "left", weight="bold")
     draw_words(figure, _time_and_error(result.summary), (0.98, 0.965), 10.5, "right", SOFT)
-    if touch.ways.any():
+    if view:
+        draw_words(figure, "seen onto the taxels, without the obstacles, which hide them", (0.98, 0.014), 9.5, "right", SOFT)
+    elif touch.ways.any():
         words = "yellow: where it touches, and the force on each obstacle; an arrow twice as long is four times the force"
         draw_words(figure, words, (0.98, 0.014), 9.5, "right", SOFT)
     _draw_history(figure, result, bottom=0.085, top=0.345, marks=[stage.time[frame] for frame in moments])
@@ -108,15 +115,15 @@ def first_contact(result: Result) -> int | None:
 
 
 def _draw_images(
-    figure: Figure, stage: Stage, frames: Sequence[int], captions: Sequence[str], *, box: Box, touch: Touch,
-    tints: Mapping[int, np.ndarray] | None = None, lattice: bool = True,
+    figure: Figure, stage: Stage, frames: Sequence[int], captions: Sequence[str], *, box: Box, touch: Touch | None,
+    tints: Mapping[int, np.ndarray] | None = None, lattice: bool = True, view: tuple[float, float] | None = None,
 ) -> None:  # fmt: skip
     """The object in `frames`, side by side in `box` of the figure, with a line below each."""
     left, bottom, wide, height = box
     inches = figure.get_size_inches()
     (across, up), low, pitch = inches * figure.dpi, CAPTION / inches[1], (wide + GAP) / len(frames)
     width = pitch - GAP
-    panels = Panels(stage, frames, round(width * across), round((height - low) * up), tints=tints, touch=touch, lattice=lattice)
+    panels = Panels(stage, frames, round(width * across), round((height - low) * up), tints=tints, touch=touch, lattice=lattice, view=view)
     for number, (frame, caption) in enumerate(zip(frames, captions, strict=True)):
         begin = left + number * pitch
         pixels = (255 * panels.image(frame) + 0.5).astype(np.uint8)

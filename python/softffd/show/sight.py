@@ -13,6 +13,7 @@ DISTANCES = (4.0, 8.0)
 """Of the eye from the middle of the scene, in halves of its diagonal: in a broad page, and in a narrow one"""
 GLANCES = 12  # frames, evenly chosen, in which it counts
 SAMPLES = 40  # places between eye and object where a solid would hide it
+ONTO = 0.7  # cosine between a side that is looked at and the way to the eye
 TURNED = 0.02  # a radian of turning away from the usual view is worth so much of the run behind an obstacle
 
 
@@ -26,6 +27,14 @@ def first_sight(stages: Sequence[Stage]) -> tuple[float, float]:
     behind = sum(_behind(stage, np.array([back_of(stage.up, *view) for view in views])) for stage in stages)
     away = np.abs(views - VIEW).sum(axis=1)
     turn, lift = views[np.argmin(behind + TURNED * away)]
+    return float(turn), float(lift)
+
+
+def sight_onto(up: np.ndarray, outward: np.ndarray) -> tuple[float, float]:
+    """The same, from where a side of the object that faces `outward` (3,) is seen well, whatever stands before it."""
+    views = np.array(list(product(VIEW[0] + TURNS, (*LIFTS, ONTO + 0.1, -ONTO - 0.1))))
+    towards = np.array([back_of(up, *view) for view in views]) @ outward
+    turn, lift = views[np.argmin(np.abs(towards - ONTO) + TURNED * np.abs(views - VIEW).sum(axis=1))]
     return float(turn), float(lift)
 
 

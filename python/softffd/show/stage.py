@@ -9,6 +9,7 @@ from softffd.embedding.deform import Embedding
 from softffd.embedding.nodes import node_positions
 from softffd.errors import SoftffdError
 from softffd.lattice import index_grid, rest_grid, to_flat
+from softffd.mesh.mesh import Mesh
 from softffd.names import vector_names
 from softffd.obstacles import SolidShape
 from softffd.run.result import Result
@@ -133,6 +134,14 @@ class Stage:
     def deformed(self, positions: np.ndarray) -> np.ndarray:
         """The surface's vertices (V, 3) [m] for control points (nx, ny, nz, 3) [m]."""
         return self._embedding.deform(positions)
+
+
+def surface_of(result: Result) -> Mesh:
+    """The object's surface at rest: the scene's mesh, else the boundary of the box as pictures show it."""
+    if result.loaded_mesh is not None:
+        return result.loaded_mesh
+    stage = stage_of(result)
+    return Mesh(stage.vertices, stage.faces, name="box")
 
 
 def stage_of(result: Result) -> Stage:

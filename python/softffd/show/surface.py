@@ -13,6 +13,7 @@ import numpy as np
 
 from softffd.embedding.basis import parameter
 from softffd.mesh.normals import split_at_creases
+from softffd.show.pressed import AtlasPlaces
 from softffd.show.stage import Stage
 
 PLACE_BITS, NORMAL_BITS = 20, 12
@@ -20,8 +21,9 @@ SPREADS = ((32, 0x1F00000000FFFF), (16, 0x1F0000FF0000FF), (8, 0x100F00F00F00F00
 """Steps that move the bits of a number apart to every third place"""
 
 
-def surface(stage: Stage) -> dict[str, Any]:
-    """The packed arrays of a stage's W vertices and F triangles: parameters, normals, tints, places in pictures; three numbers a triangle.
+def surface(stage: Stage, taxels: AtlasPlaces | None = None) -> dict[str, Any]:
+    """The packed arrays of a stage's W vertices and F triangles: parameters, normals, tints, places in pictures, and places in the atlas of
+    taxels where there are some; three numbers a triangle.
 
     Triangles with one picture follow each other: `parts` are pairs of a picture's number and how many there are.
     """
@@ -41,9 +43,12 @@ def surface(stage: Stage) -> dict[str, Any]:
         "tints": (stage.skin.tints[source[order]] * 255.0).round().astype(np.int64),
         "uv": uv[order],
     }
+    held, atlas_scales = _whole(taxels.of(source, normals)) if taxels else (np.zeros((len(source), 0), dtype=np.int64), [])
+    arrays["atlas"] = held[order]
     columns = [np.diff(column, prepend=0) for each in arrays.values() for column in each.T]
     columns += [np.diff(faces[:, 0], prepend=0), faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0]]
-    return {"scales": scales, "uv_scales": uv_scales, "parts": np.stack([pictures, counts], axis=1).tolist(), **_block(columns)}
+    scaled = {"scales": scales, "uv_scales": uv_scales} | ({"atlas_scales": atlas_scales} if taxels else {})
+    return {**scaled, "parts": np.stack([pictures, counts], axis=1).tolist(), **_block(columns)}
 
 
 def _whole(values: np.ndarray) -> tuple[np.ndarray, list[list[float]]]:

@@ -1,6 +1,6 @@
-"""Colours of what happens inside: a quantity of the lattice's cells on the surface of a picture."""
+"""Colours of what happens inside, a quantity of the lattice's cells, and of contact pressure, on the surface of a picture."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +9,9 @@ import numpy as np
 
 from softffd.errors import SoftffdError
 from softffd.run.parts import require_name
+from softffd.run.pressure import with_pressure
 from softffd.run.result import Result
+from softffd.show import pressed
 from softffd.show.stage import Stage
 
 RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)  # the second: inverted cells, which have no stress
@@ -36,7 +38,8 @@ COLOURS = {
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """A quantity of all cells over the frames (T, nx - 1, ny - 1, nz - 1), NaN where a cell is inverted; ends of its scale."""
+    """A quantity of all cells over the frames (T, nx - 1, ny - 1, nz - 1), NaN where a cell is inverted, or of all taxels, an atlas; ends
+    of its scale."""
 
     name: str
     words: str
@@ -54,17 +57,30 @@ def cells_of(result: Result, frames: np.ndarray) -> list[Cells]:
     return found
 
 
+def pressure_of(result: Result, frames: np.ndarray) -> Cells | None:
+    """The contact pressure at these rows; None where there are no taxels that have it."""
+    if not with_pressure(result.taxels, result.outputs):
+        return None
+    values = pressed.atlas(result, frames)
+    return Cells(pressed.NAME, pressed.WORDS, "Pa", values, _ends(pressed.NAME, values))
+
+
 def tension_of(result: Result, stage: Stage, frames: Sequence[int], colour: str) -> tuple[Cells, dict[int, np.ndarray]]:
-    """The Cells of a name of COLOURS in `frames`, and by frame the tints (V, 3) of the stage's vertices. Between the centres of cells these
-    are linear, beyond them that of the nearest. SoftffdError where the result does not know it."""
+    """The Cells of a name of COLOURS, or of contact pressure, in `frames`, and by frame the tints (V, 3) of the stage's vertices. Between
+    the centres of cells these are linear, beyond them that of the nearest. SoftffdError where the result does not know it."""
     from matplotlib import colormaps
 
-    require_name("colour", colour, list(COLOURS))
-    cells, tints = _cells(colour, result, np.array(frames)), {}
+    require_name("colour", colour, [*COLOURS, pressed.NAME])
+    rows, tints = np.array(frames), {}
+    if colour == pressed.NAME:
+        all_of_vertices: Iterable[np.ndarray] = pressed.stage_pressure(result, stage, rows)  # refuses what pressure_of has not
+        cells = pressure_of(result, rows)
+        assert cells is not None
+    else:
+        cells, places = _cells(colour, result, rows), (stage.vertices - stage.origin) / stage.size
+        all_of_vertices = (at_places(values, places) for values in cells.values)
     low, high = cells.ends
-    places = (stage.vertices - stage.origin) / stage.size
-    for frame, values in zip(frames, cells.values, strict=True):
-        of_vertices = at_places(values, places)
+    for frame, of_vertices in zip(frames, all_of_vertices, strict=True):
         tints[frame] = colormaps[RAMP]((of_vertices - low) / (high - low))[:, :3]
         tints[frame][~np.isfinite(of_vertices)] = FOLDED
     return cells, tints
@@ -83,8 +99,8 @@ def _parts(result: Result, frames: np.ndarray) -> list[np.ndarray]:
 
 
 def _ends(name: str, values: np.ndarray) -> tuple[float, float]:
-    """Of the scale, low before high; stress begins at nothing, stretch where it is least, at 1 at most."""
-    low, high = (0.0 if name == "von_mises" else values.min(initial=1.0)), values.max(initial=1e-300)
+    """Of the scale, low before high; stress and pressure begin at nothing, stretch where it is least, at 1 at most."""
+    low, high = (0.0 if name != "stretch" else values.min(initial=1.0)), values.max(initial=1e-300)
     return float(low), float(high if high > low else low + 1)
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from softffd.errors import SoftffdError
 from softffd.files import write_text
 from softffd.run.result import Result
+from softffd.show import pressed
 from softffd.show.picture import run_picture
 from softffd.show.sight import first_sight
 from softffd.show.stage import FREE, PINNED, Stage, round_length, stage_of
@@ -85,11 +86,12 @@ def _page(bodies: Sequence[Body], title: str) -> str:
     arrows = min((each.scale for each in bodies if each.scale), default=0.0)
     scales = {name: _ends([each.cells[name].ends for each in bodies]) for name in _known_to_all(bodies)}
     ends = [largest(each.stage, each.frames) for each in bodies]
+    pressure = max((each.cells[pressed.NAME].ends[1] for each in bodies if pressed.NAME in each.cells), default=1.0)
     run = {
         **sights([each.stage for each in bodies], title),
         "note": "; ".join(filter(None, map(_thinned, bodies))),
         "subtitle": " · ".join(map(subtitle, bodies)),
-        "rows": [row | {"body": n} for n, each in enumerate(bodies) for row in each.rows()],
+        "rows": [row | {"body": n} for n, each in enumerate(bodies) for row in each.rows(pressure)],
         "largest": {name: max(each[name] for each in ends) for name in ends[0]},
         "cells": [about(cells, scales[name]) for name, cells in bodies[0].cells.items() if name in scales],
         "bodies": [each.held(scales, arrows) for each in bodies],

@@ -13,13 +13,17 @@ from softffd.embedding.deform import BASES, deform
 from softffd.lattice import to_flat
 from softffd.mesh.looks import Picture
 from softffd.run.findings import energies, reactions
+from softffd.run.pressure import taxel_pressure, with_pressure
 from softffd.run.result import Result
+from softffd.show import pressed
+from softffd.show.pressed import AtlasPlaces, atlas_places
 from softffd.show.raster import Tint
 from softffd.show.solid import Form
 from softffd.show.stage import PlaneTrack, SolidTrack, Stage
 from softffd.show.surface import surface
-from softffd.show.tension import Cells, cells_of
+from softffd.show.tension import Cells, cells_of, pressure_of
 from softffd.show.touch import Touch, touch_of
+from softffd.taxels import TaxelGrid
 
 MOST_FRAMES = 600
 MOST_POINT_BYTES = 24e6  # of the control points of all frames, before they become text: 600 frames of up to 3300 points
@@ -46,7 +50,7 @@ class Body:
 
     @cached_property
     def cells(self) -> dict[str, Cells]:
-        return {each.name: each for each in cells_of(self.result, self.frames)}
+        return {each.name: each for each in (*cells_of(self.result, self.frames), pressure_of(self.result, self.frames)) if each}
 
     @cached_property
     def touch(self) -> Touch:
@@ -61,10 +65,11 @@ class Body:
         """All of it. scales: ends of the colours of its cells by name; scale: of the arrows."""
         stage, frames = self.stage, self.frames
         return {
-            **scenery(stage, frames, self.name, self.pane),
+            **scenery(stage, frames, self.name, self.pane, atlas_places(self.result, stage) if pressed.NAME in scales else None),
             "time": text(stage.time[frames], "<f8"),
             "positions": text(to_flat(stage.positions[frames]) - stage.centre, "<f4"),
             "cells": [_cells(self.cells[name], ends) for name, ends in scales.items()],
+            "sizes": [self.cells[name].values.shape[1:] for name in scales],
             "touch": self._touch(scale / (self.scale or 1.0)),
         }
 
@@ -78,8 +83,9 @@ class Body:
         ]
         return {"places": text(np.concatenate(places), "<f4"), "counts": [len(each) for each in places], "arrows": arrows}
 
-    def rows(self) -> list[dict[str, Any]]:
-        """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J]."""
+    def rows(self, most: float) -> list[dict[str, Any]]:
+        """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J], and of sensors with
+        taxels the largest pressure [Pa] and the maps of all, whose colours end at `most` [Pa]."""
         marks, frames = {each.name: hex_of(each.tint) for each in self.stage.obstacles}, self.frames
         rows = []
         for part, force in reactions(self.result).items():
@@ -89,10 +95,11 @@ class Body:
         for name, mark in ENERGY_MARKS.items():
             if name in recorded:
                 rows.append(_row(name, "energy", "J", mark, recorded[name][frames]))
-        return rows
+        outputs = self.result.outputs
+        return rows + [_map(grid, taxel_pressure(outputs, grid, frames), most) for grid in with_pressure(self.result.taxels, outputs)]
 
 
-def scenery(stage: Stage, frames: np.ndarray, name: str = "", pane: int = 0) -> dict[str, Any]:
+def scenery(stage: Stage, frames: np.ndarray, name: str = "", pane: int = 0, taxels: AtlasPlaces | None = None) -> dict[str, Any]:
     """What does not change: name, lattice, the surface at rest, and the obstacles, of these their poses in some frames, too."""
     return {
         "name": name,
@@ -103,7 +110,7 @@ def scenery(stage: Stage, frames: np.ndarray, name: str = "", pane: int = 0) -> 
         "size": stage.size.tolist(),
         "pinned": stage.pinned.tolist(),
         "cage": int(stage.is_cage),
-        "surface": surface(stage),
+        "surface": surface(stage, taxels),
         "pictures": [_image(picture) for picture in stage.skin.pictures],
         "planes": [_obstacle(plane, stage, frames) | {"floor": plane.is_floor} for plane in stage.planes],
         "solids": [_obstacle(solid, stage, frames) | _form(solid.form) for solid in stage.solids],
@@ -135,6 +142,16 @@ def _form(form: Form) -> dict[str, Any]:
 def _row(label: str, kind: str, unit: str, mark: str, values: np.ndarray, vectors: np.ndarray | None = None) -> dict[str, Any]:
     texts = {"label": label, "kind": kind, "unit": unit, "mark": mark}
     return texts | {"values": text(values, "<f4"), "vectors": None if vectors is None else text(vectors, "<f4")}
+
+
+def _map(grid: TaxelGrid, pressure: np.ndarray, most: float) -> dict[str, Any]:
+    """The row of a sensor: the shares of `most` [Pa] in 255 of its taxels (T, m, n), the first side of the grid running fastest."""
+    shares = (255.0 * (pressure / most).clip(0, 1)).round().transpose(0, 2, 1)
+    right, up = ("xyz"[axis] for axis in grid.along)
+    wide, high = (end - begin for begin, end in zip(grid.lower, grid.upper, strict=True))
+    about = {"counts": grid.counts, "shares": text(shares, "u1"), "words": f"{right} to the right, {up} up", "most": most}
+    about["aspect"] = wide / high if wide > 0 and high > 0 else grid.counts[0] / grid.counts[1]
+    return _row(grid.name, "peak", "Pa", "#009e73", pressure.max(axis=(1, 2))) | {"taxels": about}
 
 
 def hex_of(tint: Tint) -> str:

@@ -6,6 +6,7 @@ from made_up_run import made_up_run, with_solids
 from scenes import meshed
 from softffd import Result, simulate
 from softffd.scene.rigid import Box, Cylinder, Sphere
+from solids import solid as block
 from validation.shapes import sphere
 
 
@@ -31,6 +32,14 @@ def pressed() -> Result:
 def solid() -> Result:
     """A pad of finite elements under a load, on patches."""
     return simulate("pad", stop_time=0.05)
+
+
+@pytest.fixture(scope="session")
+def felt() -> Result:
+    """A block of finite elements that lands on the ground with taxels on its foot."""
+    foot = {"name": "foot", "on": "z-", "taxels": [3, 2]}
+    falls = {"gravity": [0.0, 0.0, -9.81], "plane": [{"name": "ground"}], "sensor": [foot]}
+    return simulate(block(modulus=1e5, density=1000.0, size=[0.1] * 3, internal_damping=5e-3, **falls), stop_time=0.3, step=0.05)
 
 
 @pytest.fixture(scope="session", params=["thrown", "pressed"])

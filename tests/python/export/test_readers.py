@@ -81,6 +81,22 @@ def test_vtk_reads_the_vertices_the_strain_and_the_stress_of_every_row(any_run, 
         require_tensors(any_run, row, grids["lattice"])
 
 
+@pytest.mark.full
+@pytest.mark.parametrize("read, ending", [(read_vtkhdf, "vtkhdf"), (read_pvd, "pvd")], ids=["vtkhdf", "vtu"])
+def test_vtk_reads_the_contact_pressure_of_a_scene_with_taxels(felt, pressed, read, ending, tmp_path):
+    pytest.importorskip("vtk", reason="vtk is not installed: pip install 'softffd[readers]'")
+    pytest.importorskip("h5py", reason="h5py is not installed: pip install 'softffd[vtkhdf]'")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    felt.export(tmp_path / f"felt.{ending}")
+    for row, time in enumerate(felt.time):
+        found = vtk_to_numpy(read(tmp_path / f"felt.{ending}", time)["mesh"].GetPointData().GetArray("contact_pressure"))
+        assert np.abs(found - felt.contact_pressure(row)).max() <= 1e-6 * max(found.max(), 1.0)
+    assert found.max() > 500.0
+    pressed.export(tmp_path / f"plain.{ending}")
+    assert read(tmp_path / f"plain.{ending}", pressed.time[0])["mesh"].GetPointData().GetArray("contact_pressure") is None
+
+
 def require_tensors(result: Result, row: int, grid) -> None:
     """Strain and stress of the cells, whose middles are where those of the lattice are; a cell of VTK has a volume > 0."""
     from vtkmodules.util.numpy_support import vtk_to_numpy

@@ -25,6 +25,8 @@ MOST_TURN = 3.0  # of what is turned, rad/s
 MOST_PULL = 10.0  # of the object's weights
 PROBED = "#009e73"
 """Colour of what probes tell"""
+SENSED = "#cc79a7"
+"""Of what sensors feel"""
 
 
 class Described:
@@ -109,7 +111,7 @@ class Described:
         return inputs, parts
 
     def rows(self) -> list[dict[str, Any]]:
-        """The curves of the readout: reactions [N] with their vectors, energies [J], and what probes tell."""
+        """The curves of the readout: reactions [N] with their vectors, energies [J], and what probes and sensors tell."""
         marks = {each.name: hex_of(each.tint) for each in self.stage.obstacles}
         rows = []
         for each in (*self.scene.obstacles, *self.scene.pin):
@@ -120,6 +122,9 @@ class Described:
         for name, family in self._family.items():
             if family["key"].startswith("probe_"):
                 rows.append(self._row(_label_of(name), family["key"].removeprefix("probe_").replace("_", " "), [name], PROBED))
+        for sensor in self.scene.sensor:
+            for key in ("force", "pressure", "peak_pressure"):
+                rows.append(self._row(sensor.name, key.replace("_", " "), variable_names(f"sensor_{key}", [sensor.name]), SENSED))
         return rows
 
     def _row(self, label: str, kind: str, names: list[str], mark: str) -> dict[str, Any]:

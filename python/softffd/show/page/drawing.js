@@ -109,9 +109,9 @@ function bind(unit_number, image) {
   gl.activeTexture(gl.TEXTURE0 + unit_number);
   gl.bindTexture(gl.TEXTURE_2D, image);
 }
-// A texel for each cell: share of the scale, whether it is turned inside out; linear between the centres of cells.
+// A texel for each cell or taxel: share of the scale, whether a cell is turned inside out; linear between the centres.
 function load_cells(body) {
-  const shown = run.cells.findIndex(each => each.name === state.colour), size = body.counts.map(n => n - 1);
+  const shown = run.cells.findIndex(each => each.name === state.colour), size = body.sizes?.[shown] || body.counts.map(n => n - 1);
   gl.activeTexture(gl.TEXTURE3);
   gl.bindTexture(gl.TEXTURE_3D, body.cell_shares);
   if (shown < 0) return;
@@ -121,7 +121,7 @@ function load_cells(body) {
   for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_3D, filter, gl.LINEAR);
 }
 function draw_object(common, body) {
-  const { object, origin, size, cage, skins } = body, colouring = Math.min(COLOURS.indexOf(state.colour), 3);
+  const { object, origin, size, cage, skins } = body, colouring = state.colour === "contact_pressure" ? 4 : Math.min(COLOURS.indexOf(state.colour), 3);
   load_cells(body);
   bind(0, body.lattice);
   bind(1, ramp);

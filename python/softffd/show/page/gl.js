@@ -102,13 +102,14 @@ function build() {
   build_touch();
 }
 function build_body(body) {
-  const { coordinates, normals, uv, tints, triangles } = body.surface, edges = lattice_edges(body.counts), pinned = new Float32Array(body.points);
+  const { coordinates, normals, uv, tints, atlas, triangles } = body.surface, edges = lattice_edges(body.counts), pinned = new Float32Array(body.points);
   for (const p of body.pinned) pinned[p] = 1;
   body.object = { program: program("object-vertex", "object-fragment", body), shadow: program("height-vertex", "height-fragment", body), count: triangles.length,
     array: vertices([{ data: coordinates, width: 3, type: gl.FLOAT },
       { data: normals, width: 3, type: gl.SHORT, stride: 8, normalised: true },
       { data: uv, width: 2, type: gl.FLOAT },
-      { data: tints, width: 3, type: gl.UNSIGNED_BYTE, stride: 4, normalised: true }], triangles) };
+      { data: tints, width: 3, type: gl.UNSIGNED_BYTE, stride: 4, normalised: true },
+      ...(atlas ? [{ data: atlas, width: 4, type: gl.FLOAT }] : [])], triangles) };
   body.lines = { program: program("line-vertex", "line-fragment", body), count: edges.length / 2,
     array: vertices([{ data: edges, width: 2, type: gl.INT, integer: true, each: 1 }]) };
   body.balls = { program: program("ball-vertex", "ball-fragment", body), array: vertices([{ data: pinned, width: 1, type: gl.FLOAT }]) };

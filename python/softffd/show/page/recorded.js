@@ -11,6 +11,7 @@ for (const body of bodies) {
 for (const row of run.rows) {
   row.values = decode(row.values, Float32Array);
   row.vectors = row.vectors && decode(row.vectors, Float32Array);
+  if (row.taxels) row.taxels.shares = decode(row.taxels.shares, Uint8Array);
 }
 // One clock: the times of all. A run that has ended stays as it is while others go on.
 const times = [...new Set(bodies.flatMap(body => [...body.times]))].sort((a, b) => a - b), LAST = times.length - 1;
@@ -25,7 +26,7 @@ const source = {
   moves: LAST > 0,
   points: body => between(body, body.positions, 3 * body.points),
   pose: (each, body) => between(body, each.poses, 9),
-  cells: (n, body) => new Uint8Array(between(body, body.cells[n], 2 * body.counts.reduce((product, count) => product * (count - 1), 1))),
+  cells: (n, body) => new Uint8Array(between(body, body.cells[n], body.cells[n].length / body.times.length)),
   touch(body) {
     const { places, firsts, arrows } = body.touch, frame = frame_shown(body), at = data => data.subarray(3 * frame, 3 * frame + 3);
     return { places: places.subarray(3 * firsts[frame], 3 * firsts[frame + 1]), arrows: arrows.map(arrow => [at(arrow.starts), at(arrow.ways)]) };
@@ -33,6 +34,10 @@ const source = {
   values(row) {
     const frame = frame_shown(bodies[row.body]);
     return [row.values[frame], row.vectors && row.vectors.subarray(3 * frame, 3 * frame + 3)];
+  },
+  taxels({ body, taxels: { shares, counts: [n, m] } }) {
+    const frame = frame_shown(bodies[body]);
+    return shares.subarray(n * m * frame, n * m * (frame + 1));
   },
   told: () => `frame ${frame_shown({ times }) + 1} of ${LAST + 1}`,
   begin() {

@@ -22,10 +22,11 @@ function interleaved(Type, columns, width, value) {
   columns.forEach((column, a) => { for (let i = 0; i < column.length; i++) out[width * i + a] = value(column[i], a); });
   return out;
 }
-// { coordinates (3), normals (3 of 4), tints (3 of 4), uv (2), triangles (3), parts }
-async function unpack({ block, columns, scales, uv_scales, parts }) {
-  const [x, y, z, n, m, r, g, b, u, v, first, second, third] = columns_of(await opened(block), columns), placed = of => (i, a) => of[a][0] + i * of[a][1];
-  for (const each of [x, y, z, n, m, r, g, b, u, v, first]) summed(each);
+// { coordinates (3), normals (3 of 4), tints (3 of 4), uv (2), atlas (4) where there are taxels, triangles (3), parts }
+async function unpack({ block, columns, scales, uv_scales, atlas_scales = [], parts }) {
+  const all = columns_of(await opened(block), columns), placed = of => (i, a) => of[a][0] + i * of[a][1];
+  const [x, y, z, n, m, r, g, b, u, v] = all, [first, second, third] = all.slice(-3), taxels = all.slice(10, 10 + atlas_scales.length);
+  for (const each of all.slice(0, -2)) summed(each);
   const triangles = new Uint32Array(3 * first.length), normals = new Int16Array(4 * n.length);
   for (let i = 0; i < first.length; i++) { triangles[3 * i] = first[i]; triangles[3 * i + 1] = first[i] + second[i]; triangles[3 * i + 2] = first[i] + third[i]; }
   for (let i = 0; i < n.length; i++) {
@@ -37,5 +38,5 @@ async function unpack({ block, columns, scales, uv_scales, parts }) {
     normals.set([p * size, q * size, up * size], 4 * i);
   }
   return { coordinates: interleaved(Float32Array, [x, y, z], 3, placed(scales)), normals, tints: interleaved(Uint8Array, [r, g, b], 4, i => i),
-    uv: interleaved(Float32Array, [u, v], 2, placed(uv_scales)), triangles, parts };
+    uv: interleaved(Float32Array, [u, v], 2, placed(uv_scales)), atlas: taxels.length && interleaved(Float32Array, taxels, 4, placed(atlas_scales)), triangles, parts };
 }

@@ -86,8 +86,10 @@ layout(location = 0) in vec3 coordinates;             // parameters of the verte
 layout(location = 1) in vec3 normal;                  // of the surface at rest
 layout(location = 2) in vec2 uv;
 layout(location = 3) in vec3 tint;
+layout(location = 4) in vec4 atlas;                   // where it is in the atlas of taxels; whether it is on some
 uniform mat4 camera;
 uniform vec3 origin, size;
+out vec4 taxel;
 out vec3 world, shading, cell, shade;
 out vec2 skin_place;
 out float displacement, strain;
@@ -102,19 +104,21 @@ void main() {
   displacement = distance(world, origin + size * place);
   skin_place = uv;
   shade = tint;
+  taxel = atlas;
   cell = place * vec3(NX - 1, NY - 1, NZ - 1);
   gl_Position = camera * vec4(world, 1);
 }
 
 //// object-fragment
 precision highp float;
+in vec4 taxel;
 in vec3 world, shading, cell, shade;
 in vec2 skin_place;
 in float displacement, strain;
 uniform vec3 eye, up, key;
-uniform float colouring, largest, cage, hollow;       // colouring 0: paint, 1: displacement, 2: strain, 3: cells; hollow: hatched from within
+uniform float colouring, largest, cage, hollow;       // colouring 0: paint, 1: displacement, 2: strain, 3: cells, 4: taxels; hollow: hatched from within
 uniform sampler2D ramp, skin;
-uniform highp sampler3D cells;                        // share of the scale, whether turned inside out
+uniform highp sampler3D cells;                        // or taxels: share of the scale, whether turned inside out
 out vec4 colour;
 float cell_lines() {
   vec3 width = max(fwidth(cell), 1e-6), near = abs(fract(cell - 0.5) - 0.5) / width;
@@ -129,7 +133,7 @@ void main() {
   n = dot(n, facet) < 0.0 ? -n : n;                   // a surface seen from its back is lit like its front
   float value = colouring < 1.5 ? displacement : strain;
   bool painted = colouring < 0.5;
-  vec2 inner = texture(cells, cell / vec3(textureSize(cells, 0))).rg;
+  vec2 inner = colouring > 3.5 ? taxel.w * texture(cells, taxel.xyz).rg : texture(cells, cell / vec3(textureSize(cells, 0))).rg;
   float share = colouring > 2.5 ? inner.r : value / largest;
   vec3 ramped = texture(ramp, vec2(clamp(share, 0.0, 1.0), 0.5)).rgb;
   if (colouring > 2.5 && inner.g > 0.0) ramped = vec3(0.5);
@@ -148,6 +152,7 @@ layout(location = 0) in vec3 place;                   // along the solid's own a
 layout(location = 1) in vec3 outward;
 uniform mat4 camera;
 uniform vec3 anchor, normal, tangent, tint;
+out vec4 taxel;
 out vec3 world, shading, cell, shade;
 out vec2 skin_place;
 out float displacement, strain;
@@ -157,6 +162,7 @@ void main() {
   shading = axes * outward;
   shade = tint;
   cell = vec3(0);
+  taxel = vec4(0);
   skin_place = vec2(0);
   displacement = strain = 0.0;
   gl_Position = camera * vec4(world, 1);

@@ -45,8 +45,28 @@ function make_rows() {
     box.querySelector(".label").append(name_of(bodies[row.body], row.label), Object.assign(document.createElement("span"), { textContent: ` ${row.kind}` }));
     const [value, vector, curve, path, cursor] = [".value", ".vector", "svg", "path", "line"].map(part => box.querySelector(part));
     row.parts = { value, vector, curve, path, cursor };
+    if (row.taxels) add_map(row, box);
     element("readout").append(box);
   }
+}
+// The taxels of a sensor at the time shown, in the colours of the surface.
+function add_map(row, box) {
+  const [width, height] = row.taxels.counts, map = Object.assign(document.createElement("canvas"), { className: "taxels", width, height });
+  map.setAttribute("role", "img");
+  map.setAttribute("aria-label", `Contact pressure on the ${width} × ${height} taxels of ${row.label}`);
+  map.title = `${width} × ${height} taxels, ${row.taxels.words}; colours end at ${quantity(row.taxels.most, row.unit)}`;
+  map.style.setProperty("--aspect", row.taxels.aspect);
+  box.insertBefore(map, row.parts.curve);
+  row.parts.vector.textContent = row.taxels.words;
+  row.parts.map = map.getContext("2d");
+}
+function draw_map(row) {
+  const [width, height] = row.taxels.counts, image = new ImageData(width, height), last = run.ramp.length / 3 - 1;
+  source.taxels(row).forEach((share, n) => {
+    const at = 3 * Math.round(share / 255 * last), pixel = n % width + width * (height - 1 - Math.floor(n / width));
+    image.data.set([...run.ramp.slice(at, at + 3), 255], 4 * pixel);
+  });
+  row.parts.map.putImageData(image, 0, 0);
 }
 function write_readout() {
   element("now").textContent = seconds(state.time);
@@ -55,6 +75,7 @@ function write_readout() {
     const [size, vector] = source.values(row);
     row.parts.value.textContent = quantity(size, row.unit);
     if (vector) row.parts.vector.textContent = `(${rounded(vector).join(", ")}) ${row.unit}`;
+    if (row.taxels) draw_map(row);
   }
   source.follow();
 }
@@ -161,7 +182,7 @@ function write_page() {
   element("lattice").setAttribute("aria-pressed", state.lattice);
   for (const name of ["obstacles", "contacts"]) element(name).hidden = !bodies.some(({ obstacles }) => obstacles.length);
   element("pressed").hidden = !bodies.some(({ touch }) => touch.arrows.length);
-  for (const each of run.cells) element("colour").add(new Option(each.name === "von_mises" ? "stress" : each.name, each.name));
+  for (const each of run.cells) element("colour").add(new Option({ von_mises: "stress", contact_pressure: "contact pressure" }[each.name] || each.name, each.name));
   element("ramp").style.background = `linear-gradient(90deg, ${Array.from({ length: 9 }, (_, i) => {
     const at = 3 * Math.round(i / 8 * (run.ramp.length / 3 - 1)); return `rgb(${run.ramp.slice(at, at + 3)})`; }).join(",")})`;
 }
