@@ -61,18 +61,6 @@ TEST(a_fast_plane_does_not_tunnel) {
   CHECK_NEAR(body.state().v(0, 2), 1000.0, 1e-9);
 }
 
-TEST(a_jumping_plane_gives_no_velocity) {
-  SoftBody body = box(1, {0, 0, 0}, {0, 0, 0});
-  body.settings.planes[0].moved_by_input = true;
-  body.settings.planes[0].point.z() = -1;
-  body.initialize(0);
-  body.settings.planes[0].point.z() = 0.25;
-  CHECK(body.advance(0.01) == StepStatus::ok);
-  CHECK_NEAR(body.state().x(0, 2), 0.25, 1e-15);
-  CHECK(body.state().v.isZero(0));
-  CHECK(body.readings().plane_reaction(0).isZero(0));
-}
-
 TEST(a_closing_gap_without_room_is_an_error_and_leaves_the_state) {
   SoftBody body = box(2, {0, 0, 0}, {0, 0, 0});
   body.settings.planes[0] = {{0, 0, -0.1}, {0, 0, 1}, {0, 0, 20}, {0, 0, 0}, 0, false};

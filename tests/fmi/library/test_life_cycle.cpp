@@ -32,18 +32,6 @@ TEST(floating_point_exceptions_are_the_hosts_own) {
   fmi2FreeInstance(c);
 }
 
-TEST(calls_in_the_wrong_state_or_on_dead_handles_are_errors) {
-  CHECK(fmi2DoStep(nullptr, 0, 1, fmi2True) == fmi2Error);
-  fmi2Component c = box();
-  CHECK(component::step(c, 0) == fmi2Error);
-  CHECK(fmi2Reset(c) == fmi2OK);
-  run(c, 1);
-  fmi2FreeInstance(c);
-  CHECK(component::step(c, 1) == fmi2Error);
-  fmi2FreeInstance(c);
-  CHECK(box("{another}") == nullptr);
-}
-
 namespace {
 
 std::string refused_step(const softffd::fmi::Times& times, double time, double step) {

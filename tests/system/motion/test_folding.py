@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 from scenes import box, table_and_press
-from softffd.fmu.package import scene_masses
-from softffd.fmu.records import scene_records
 from stepping import Stepper
 
 STIFFNESS, EDGE = 1e3, 1 / 3
@@ -184,9 +182,3 @@ def test_every_method_feels_the_volume_stiffness(method):
         body.step(time)
         height = np.ptp(body.positions()[:, 2])
     assert height - 0.2 == pytest.approx(2 * 0.5 * acceleration * time**2, rel=2e-3)  # both faces move; the rest is the pull's own change
-
-
-def test_a_scene_without_it_has_no_record_of_it():
-    bare, with_it = box(), box(volume_stiffness=9e3)
-    assert "volume_stiffness" not in scene_records(bare, scene_masses(bare))
-    assert "volume_stiffness 9000.0\n" in scene_records(with_it, scene_masses(with_it))

@@ -71,17 +71,6 @@ def test_the_same_calls_give_the_same_bits(method, step, scene):
     assert courses[0] == courses[1]
 
 
-def test_two_instances_in_turn_are_two_runs():
-    one, other = lively(), lively("auto", step=0.0, planes=(GROUND,), pins=())
-    alone = [points(simulate(body, stop_time=0.2)) for body in (one, other)]
-    with Stepper(one, stop_time=0.2) as first, Stepper(other, stop_time=0.2) as second:
-        for row in range(1, 21):
-            first.step(0.01)
-            second.step(0.01)
-            assert np.array_equal(first.positions(), alone[0][row])
-            assert np.array_equal(second.positions(), alone[1][row])
-
-
 def landing(method):
     """On a plane that comes within reach on the way."""
     motion = {"gravity": GRAVITY, "velocity": [0.5, 0.0, 0.0], "stretch": [1.05, 1.0, 1.0], "stop_time": 0.4}
