@@ -40,7 +40,7 @@ class Driven(Stepper):
         super().__init__(scene, start_values=start_values)
 
     def rate(self, name: str) -> float:
-        component, value = self.sim.component, c_double()
+        component, value = self.component, c_double()
         reference, order = c_uint(component.variable(name).reference), c_int(1)
         call = component._library.fmi2GetRealOutputDerivatives
         assert call(c_void_p(component._slave.component), byref(reference), 1, byref(order), byref(value)) == 0
@@ -48,7 +48,7 @@ class Driven(Stepper):
 
     def rates(self) -> list[float]:
         """Of all outputs."""
-        return [self.rate(variable.name) for variable in self.sim.component.variables("output")]
+        return [self.rate(variable.name) for variable in self.component.variables("output")]
 
 
 def test_interpolated_inputs_are_second_order_and_held_ones_first():
@@ -143,7 +143,7 @@ FULL = driven_box(
 def test_every_real_output_has_a_derivative_0_before_the_first_step_and_then_its_change_by_the_step_s_length():
     with Driven(FULL, **{"load.push.x": 1.0, "force[3,3,3].y": 2.0}) as driven:
         exact = ("position", "probe")
-        others = [v.name for v in driven.sim.component.variables("output") if not v.name.startswith((*exact, "solver.stable_step"))]
+        others = [v.name for v in driven.component.variables("output") if not v.name.startswith((*exact, "solver.stable_step"))]
         assert {name.split("[")[0].split(".")[0] for name in others} == {"velocity", "plane", "pin", "energy", "solver"}
         assert all(driven.rate(name) == 0 for name in others)
         before = driven.read(*others)

@@ -30,8 +30,8 @@ TEST(a_scene_is_read_with_its_values) {
 }
 
 TEST(the_basis_is_that_of_beziers_volume_unless_the_scene_says_otherwise) {
-  CHECK(read().basis == softffd::Basis::bezier);
-  CHECK(read("basis bspline\n").basis == softffd::Basis::bspline);
+  CHECK(read().definition.sensed.basis == softffd::Basis::bezier);
+  CHECK(read("basis bspline\n").definition.sensed.basis == softffd::Basis::bspline);
 }
 
 TEST(the_finest_lattice_is_read) { CHECK(parse_scene(small_scene::Box{.side = 32}.text("")).definition.lattice.points() == 32 * 32 * 32); }

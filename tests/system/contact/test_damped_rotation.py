@@ -31,7 +31,7 @@ def test_a_fast_turn_in_implicit_steps_is_warned_of_once(H):
     """On the ground without friction: the spin is the start's, and the share is what it loses in the step."""
     spin = 0.2 / H
     with Stepper(rolling(spin), start_values={"solver.method": "backward_euler"}) as body:
-        speed = np.linalg.norm(body.velocities()[0])
+        speed = np.linalg.norm(body.point_velocities()[0])
         body.step(H, times=5)
         (warning,) = body.said("rotates at omega")
         omega, h, share = numbers(warning)
@@ -40,7 +40,7 @@ def test_a_fast_turn_in_implicit_steps_is_warned_of_once(H):
         assert "solver.method = leapfrog, which resolves the rotation" in warning
         below = float(warning.split("communication steps below ")[1].split()[0])
         assert 0.97 * 0.05 / omega <= below <= 0.05 / omega  # two digits, and within the bound
-        assert np.linalg.norm(body.velocities()[0]) < 0.95 * speed
+        assert np.linalg.norm(body.point_velocities()[0]) < 0.95 * speed
 
 
 @pytest.mark.parametrize("H", [0.01, 0.002])
@@ -48,10 +48,10 @@ def test_auto_keeps_the_spin_of_a_stiff_body_on_the_ground(H):
     spin = 0.2 / H
     with Stepper(rolling(spin)) as body:
         body.step(H)  # the points go out to where the springs hold them against the turning
-        speed = np.linalg.norm(body.velocities()[0])
+        speed = np.linalg.norm(body.point_velocities()[0])
         body.step(H, times=20)
         lost = 1 - np.exp(-0.02 / (1 / 64) * 20 * H)  # by the air: 0.02 N s/m on each point of 1/64 kg
-        assert np.linalg.norm(body.velocities()[0]) == pytest.approx((1 - lost) * speed, rel=2e-3)
+        assert np.linalg.norm(body.point_velocities()[0]) == pytest.approx((1 - lost) * speed, rel=2e-3)
         assert not body.said("rotates at omega")
 
 

@@ -27,7 +27,7 @@ SCENES = {"free": let_go, "falling": falling, "lively": lambda method: lively(me
 
 def state_of(stepper):
     """All outputs and the counts."""
-    return [*stepper.outputs(), *(stepper.integer(f"solver.{what}") for what in ("steps", "rejected"))]
+    return [*stepper.outputs(), *(stepper.number(f"solver.{what}") for what in ("steps", "rejected"))]
 
 
 def settings(method, step=0.0):
@@ -103,7 +103,7 @@ def test_uneven_communication_steps_change_no_bit_with_a_fixed_step():
     with Stepper(body) as stepper:
         for count in (1, 7, 300, 2, 90, 800, 1200):
             stepper.step(count * 2.5e-4)
-        assert np.array_equal(stepper.positions(), expected)
+        assert np.array_equal(stepper.points(), expected)
 
 
 def test_cutting_changes_no_bit_where_stability_shortens_the_given_step():
@@ -130,4 +130,4 @@ def test_looking_at_outputs_changes_nothing():
             looked.step(0.01)
             looked.read("solver.stable_step", "energy.elastic", "plane.ground.reaction.z")
             alone.step(0.01)
-        assert np.array_equal(looked.positions(), alone.positions())
+        assert np.array_equal(looked.points(), alone.points())
