@@ -12,21 +12,23 @@ namespace whole_scene {
 
 using namespace softffd::fmi;
 
-/// A scene with every part but those that its stiffness leaves no place for, and boxes, which need a surface.
+/// A scene with every part but those that its stiffness leaves no place for, and boxes and sensors, which need a surface.
 inline const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiffness = 100, .initial = "1 1 1 0 0 0.5 1 0 0 0 0 0"}.text(
     "damping 0.05\ninternal_damping 0.001\ngravity 0 0 -9.81\ninitial_rotation 0 0 0\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 "
     "0.4\nplane lid input 0 0 9 0 0 "
     "-1 0 0 -1 0 0 0 0.1\n"
     "pin foot fixed 0\npin hand input 7\npin arm input 3\npin_inputs position.z orientation.w\nload push 1 2\nforces 2 3\nvelocities "
-    "5\nprobe nose 0.5 0.5 1\nreactions\nenergy\nsolver\n"
+    "5\nprobe nose 0.5 0.5 1\nprobe_outputs velocity acceleration maximum\nreactions\nenergy\nsolver\n"
     "error_estimate\n");
 
 inline const std::vector<FamilyInfo> present = [] {
   std::vector<FamilyInfo> list(std::begin(families), std::end(families));
   std::erase_if(list, [](const FamilyInfo& info) {
     const bool of_solids = info.part == Part::solid || info.part == Part::probe_stress || info.part == Part::probe_von_mises ||
-                           info.part == Part::probe_stretch;
-    return of_solids || info.part == Part::modulus || info.part == Part::input_boxes || info.part == Part::fixed_boxes;
+                           info.part == Part::probe_stretch || info.part == Part::probe_largest_von_mises;
+    const bool of_surfaces =
+        info.part == Part::input_boxes || info.part == Part::fixed_boxes || info.part == Part::sensors || info.part == Part::taxels;
+    return of_solids || of_surfaces || info.part == Part::modulus;
   });
   return list;
 }();
