@@ -41,17 +41,6 @@ TEST(momentum_of_an_impact_goes_to_the_plane_exactly) {
   CHECK_NEAR(body.readings().plane_reaction(0).z() * 0.01, -0.5, 1e-15);  // the four lower points of 1 kg in all
 }
 
-TEST(friction_stops_a_slide_after_v_squared_over_two_mu_g) {
-  SoftBody body = box(1, {0, 0, 0}, {2, 0, 0});
-  body.settings.gravity = {0, 0, -10};
-  body.settings.planes[0].friction = 0.4;
-  body.settings.step = 1e-3;
-  body.initialize(0);
-  go(body, 100, 0.01);
-  CHECK_NEAR(body.state().x(0, 0), 2.0 * 2 / (2 * 0.4 * 10), 1e-6);
-  CHECK(body.state().v(0, 0) == 0);
-}
-
 TEST(a_fast_plane_does_not_tunnel) {
   SoftBody body = box(1, {0, 0, 0}, {0, 0, 0});
   body.settings.planes[0] = {{0, 0, -5}, {0, 0, 1}, {0, 0, 1000}, {0, 0, 0}, 0, false};
