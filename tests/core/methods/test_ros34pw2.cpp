@@ -7,10 +7,11 @@ TEST(third_order_with_the_stiffness_of_each_step_while_pins_move_and_with_intern
   check_third_order("wide", soft(true, true, wide));
   check_third_order("wide, dashpots", with_dashpots(soft(true, true, wide), 0.01));
   check_third_order("strong dashpots", with_dashpots(soft(true, true), 0.1));
-  Scene s = soft(true, true);
-  pin_ends(s, moving({0.3, 0.4, -0.2}, {2, -3, 1}, {0.5, -1, 2}));
-  check_third_order("moving pins", s);
-  check_third_order("dashpots and pins", with_dashpots(s, 0.01));
+  Scene swinging = soft(true, true), turning = swinging;
+  pin_ends(swinging, moving({0.3, 0.4, -0.2}, {2, -3, 1}, {0.5, -1, 2}));
+  check_third_order("moving pins", swinging);
+  pin_ends(turning, moving({0.3, 0.4, -0.2}, {0, 0, 0}, {0.5, -1, 2}));
+  check_third_order("dashpots and pins", with_dashpots(turning, 0.01));
 }
 
 TEST(third_order_with_a_foreign_frozen_factor) {
