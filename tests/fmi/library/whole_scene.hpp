@@ -34,12 +34,12 @@ inline const std::vector<FamilyInfo> present = [] {
 }();
 
 struct Scene {
-  SceneFile file = parse_scene(text);
+  SceneFile file;
   softffd::SoftBody body{file.definition};
   Variables variables{file, body.settings};
   softffd::ErrorEstimate estimate{file.definition};
 
-  Scene() {
+  explicit Scene(const std::string& of = text) : file(parse_scene(of)) {
     variables.apply(body.settings);
     body.initialize(0);
     estimate.initialize(body, 0);
