@@ -14,33 +14,6 @@ Definition stretched(int planes = 0, const std::array<int, 3>& counts = {4, 4, 4
 
 }  // namespace
 
-TEST(cutting_a_step_with_fixed_internal_steps_changes_no_bit) {
-  Definition definition = stretched(1);
-  definition.offset = {0, 0, 0.02};
-  std::vector<Points> ends;
-  for (int parts : {1, 2, 5}) {
-    SoftBody body = soft_body(definition, 1e3);
-    body.settings.damping = 0.02;
-    body.settings.gravity = {0, 0, -9.81};
-    body.settings.planes[0] = {{0, 0, 0}, {0.1, 0, 1}, {0.1, 0, 0.2}, {0, 0.3, 0}, 0.3, false};
-    body.settings.step = 1e-3;
-    body.initialize(0.7);
-    go(body, 20 * parts, 0.05 / parts);
-    ends.push_back(body.state().x);
-  }
-  CHECK((ends[0] == ends[1]).all());
-  CHECK((ends[0] == ends[2]).all());
-}
-
-TEST(a_step_above_the_stability_bound_is_divided) {
-  SoftBody body = soft_body(stretched(), 1e3);
-  body.settings.step = 0.01;
-  body.initialize(0);
-  go(body, 1000, 0.01);
-  CHECK(body.readings().internal_step() < 2.2e-3);
-  CHECK(body.state().x.abs().maxCoeff() < 2);
-}
-
 TEST(too_much_work_is_refused_at_once_and_larger_lattices_may_do_less_in_a_call) {
   SoftBody stiff = soft_body(stretched(), 1e15);
   stiff.initialize(0);

@@ -8,7 +8,7 @@ import pytest
 
 from scenes import LED, MOVED, box
 from softffd import FmuError, Scene
-from softffd.fmu.component import Component
+from stepping import Stepper
 
 
 def driven_box(*, floor=0.0, **keys):
@@ -33,50 +33,35 @@ FREE, DEEP = driven_box(), driven_box(floor=-9.0)
 HELD = driven_box(pin=[{"name": "grip", "points": [[0, 0, 0], [3, 0, 0], [0, 3, 0]], **LED}])
 
 
-class Driven(Component):
-    """A component whose input and output derivatives can be reached."""
+class Driven(Stepper):
+    """With derivatives of outputs."""
 
-    def __init__(self, scene: Scene, **start_values):
-        super().__init__(scene)
-        self.initialize(start_values)
-        self.exit_initialization()
-
-    def set_rates(self, rates: dict[str, float], order: int = 1) -> int:
-        names = list(rates)
-        references = (c_uint * len(names))(*(self.variable(name).reference for name in names))
-        orders = (c_int * len(names))(*[order] * len(names))
-        values = (c_double * len(names))(*rates.values())
-        return self._library.fmi2SetRealInputDerivatives(c_void_p(self._slave.component), references, len(names), orders, values)
+    def __init__(self, scene: Scene, **start_values: float | str):
+        super().__init__(scene, start_values=start_values)
 
     def rate(self, name: str) -> float:
-        value, reference, order = c_double(), c_uint(self.variable(name).reference), c_int(1)
-        call = self._library.fmi2GetRealOutputDerivatives
-        assert call(c_void_p(self._slave.component), byref(reference), 1, byref(order), byref(value)) == 0
+        component, value = self.component, c_double()
+        reference, order = c_uint(component.variable(name).reference), c_int(1)
+        call = component._library.fmi2GetRealOutputDerivatives
+        assert call(c_void_p(component._slave.component), byref(reference), 1, byref(order), byref(value)) == 0
         return value.value
 
     def rates(self) -> list[float]:
         """Of all outputs."""
-        return [self.rate(variable.name) for variable in self.variables("output")]
-
-    def get_values(self, *names: str) -> np.ndarray:
-        block = self.block(list(names))
-        self.get(block)
-        return block.values.copy()
+        return [self.rate(variable.name) for variable in self.component.variables("output")]
 
 
 def test_interpolated_inputs_are_second_order_and_held_ones_first():
     def error(steps: int, interpolate: bool) -> float:
         with Driven(FREE, **{"solver.step": 1e-4, "plane.piston.point.z": 9.0}) as driven:
-            force = driven.block(["force[3,3,3].x"])
             length = 0.4 / steps
             for n in range(steps):
                 t = n * length
-                force.values[0] = np.sin(20 * t)
-                driven.set(force)
+                driven.set({"force[3,3,3].x": np.sin(20 * t)})
                 if interpolate:
                     driven.set_rates({"force[3,3,3].x": (np.sin(20 * (t + length)) - np.sin(20 * t)) / length})
-                driven.do_step(t, length)
-            return driven.get_values("position[3,3,3].x")[0]
+                driven.step(length)
+            return driven.read("position[3,3,3].x")[0]
 
     exact = error(4000, True)
     held = [abs(error(n, False) - exact) for n in (20, 40)]
@@ -89,38 +74,38 @@ def test_interpolated_inputs_are_second_order_and_held_ones_first():
 def test_a_load_that_changes_gives_the_polynomial_of_its_velocity_and_for_one_step_only(method, rates, rel):
     """rel: with dop853 the springs' rounding makes them tremble."""
     with Driven(DEEP, **{"solver.method": method, "plane.piston.point.z": 9.0}) as driven:
-        for order, value in enumerate(rates, 1):
-            assert driven.set_rates({"load.push.x": value}, order) == 0
+        driven.set_rates({"load.push.x": list(rates)})
         wanted = sum(value * 0.5 ** (n + 2) / math.factorial(n + 2) for n, value in enumerate(rates))
-        for start in (0.0, 0.5):  # in the second the load's value is 0 again
-            driven.do_step(start, 0.5)
-            assert driven.get_values("velocity[1,2,0].x")[0] == pytest.approx(wanted, rel=rel)
+        for _ in range(2):  # in the second step the load's value is 0 again
+            driven.step(0.5)
+            assert driven.read("velocity[1,2,0].x")[0] == pytest.approx(wanted, rel=rel)
 
 
 @pytest.mark.parametrize(("velocity", "rates"), [(5.0, {"plane.piston.point.z": -0.5}), (-0.5, {})], ids=["with one", "without"])
 def test_a_derivative_of_the_point_moves_the_plane_instead_of_its_velocity(velocity, rates):
     with Driven(FREE, **{"plane.piston.velocity.z": velocity}) as driven:
-        driven.set_rates(rates)
-        driven.do_step(0.0, 0.1)
-        np.testing.assert_allclose(driven.get_values("position[1,1,3].z", "velocity[1,1,3].z"), [0.95, -0.5], atol=1e-12)
+        if rates:
+            driven.set_rates(rates)
+        driven.step(0.1)
+        np.testing.assert_allclose(driven.read("position[1,1,3].z", "velocity[1,1,3].z"), [0.95, -0.5], atol=1e-12)
 
 
 def test_a_derivative_of_the_normal_ends_at_the_interpolated_normal():
     with Driven(FREE, **{"plane.piston.point.x": 0.5}) as driven:
         driven.set_rates({"plane.piston.normal.x": 2.0})
-        driven.do_step(0.0, 0.1)
+        driven.step(0.1)
         normal = np.array([0.2, 0.0, -1.0]) / np.hypot(0.2, 1.0)
         corners = [[f"position[{i},{j},3].{c}" for c in "xyz"] for i in (0, 3) for j in (0, 3)]
-        gaps = [normal @ (driven.get_values(*names) - [0.5, 0.0, 1.0]) for names in corners]
+        gaps = [normal @ (driven.read(*names) - [0.5, 0.0, 1.0]) for names in corners]
         assert min(gaps) == pytest.approx(0.0, abs=1e-14)
 
 
 def test_derivatives_of_a_pins_pose_take_it_to_the_interpolated_pose():
     with Driven(HELD, **{"pin.grip.velocity.x": 9.0, "plane.piston.point.z": 9.0}) as driven:
         driven.set_rates({"pin.grip.position.x": 1.0, "pin.grip.orientation.z": 0.5})
-        before = driven.get_values("position[3,0,0].x", "position[3,0,0].y")
-        driven.do_step(0.0, 0.1)
-        after = driven.get_values("position[3,0,0].x", "position[3,0,0].y")
+        before = driven.read("position[3,0,0].x", "position[3,0,0].y")
+        driven.step(0.1)
+        after = driven.read("position[3,0,0].x", "position[3,0,0].y")
         origin = np.array([1 / 3, 1 / 3])
         angle = 2 * np.arctan2(0.05, 1.0)
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
@@ -131,20 +116,20 @@ def test_the_energy_balance_holds_with_ramped_forces():
     with Driven(FREE, **{"solver.step": 1e-4, "plane.piston.point.z": 9.0}) as driven:
         for n in range(20):
             driven.set_rates({"force[3,3,3].x": 50.0 * (-1) ** n, "load.push.z": 3.0})
-            driven.do_step(n * 0.01, 0.01)
-        kinetic, elastic, lost, work = driven.get_values(*(f"energy.{kind}" for kind in ("kinetic", "elastic", "dissipated", "work")))
+            driven.step(0.01)
+        kinetic, elastic, lost, work = driven.read(*(f"energy.{kind}" for kind in ("kinetic", "elastic", "dissipated", "work")))
         assert kinetic + elastic + lost == pytest.approx(work, rel=1e-3)
         assert work > 1e-4
 
 
 def test_output_derivatives_are_velocities():
     with Driven(FREE, **{"load.push.x": 1.0, "force[3,3,3].y": 2.0}) as driven:
-        driven.do_step(0.0, 0.05)
-        assert driven.rate("position[3,3,3].y") == driven.get_values("velocity[3,3,3].y")[0]
-        before = driven.get_values("probe.centre.y")[0]
+        driven.step(0.05)
+        assert driven.rate("position[3,3,3].y") == driven.read("velocity[3,3,3].y")[0]
+        before = driven.read("probe.centre.y")[0]
         rate = driven.rate("probe.centre.y")
-        driven.do_step(0.05, 1e-6)
-        assert (driven.get_values("probe.centre.y")[0] - before) / 1e-6 == pytest.approx(rate, rel=1e-3)
+        driven.step(1e-6)
+        assert (driven.read("probe.centre.y")[0] - before) / 1e-6 == pytest.approx(rate, rel=1e-3)
 
 
 FULL = driven_box(
@@ -158,13 +143,13 @@ FULL = driven_box(
 def test_every_real_output_has_a_derivative_0_before_the_first_step_and_then_its_change_by_the_step_s_length():
     with Driven(FULL, **{"load.push.x": 1.0, "force[3,3,3].y": 2.0}) as driven:
         exact = ("position", "probe")
-        others = [v.name for v in driven.variables("output") if not v.name.startswith((*exact, "solver.stable_step"))]
+        others = [v.name for v in driven.component.variables("output") if not v.name.startswith((*exact, "solver.stable_step"))]
         assert {name.split("[")[0].split(".")[0] for name in others} == {"velocity", "plane", "pin", "energy", "solver"}
         assert all(driven.rate(name) == 0 for name in others)
-        before = driven.get_values(*others)
-        for n, length in enumerate((0.05, 0.02, 0.07)):
-            driven.do_step((0.0, 0.05, 0.07)[n], length)
-            now = driven.get_values(*others)
+        before = driven.read(*others)
+        for length in (0.05, 0.02, 0.07):
+            driven.step(length)
+            now = driven.read(*others)
             np.testing.assert_array_equal([driven.rate(name) for name in others], (now - before) / length)
             before = now
         assert np.count_nonzero([driven.rate(name) for name in others]) > len(others) / 2
@@ -174,28 +159,25 @@ def test_every_real_output_has_a_derivative_0_before_the_first_step_and_then_its
 def test_the_derivative_of_the_work_is_the_power_of_a_force():
     """A body that flies freely under a load F of its own, from rest: P = F v, on average F v / 2 where v grows with time."""
     with Driven(DEEP, **{"load.push.x": 6.0, "plane.piston.point.z": 9.0}) as driven:
-        driven.do_step(0.0, 0.1)
-        speed = driven.get_values("velocity[1,2,0].x")[0]
+        driven.step(0.1)
+        speed = driven.read("velocity[1,2,0].x")[0]
         assert driven.rate("energy.work") == pytest.approx(6.0 * speed / 2, rel=1e-9)
         assert driven.rate("velocity[1,2,0].x") == pytest.approx(6.0, rel=1e-9)
 
 
 def test_derivatives_of_outputs_are_part_of_the_state_and_a_discarded_step_leaves_them():
     with Driven(FULL) as driven, Driven(FULL) as other:
-        for n in range(3):
-            driven.do_step(n * 0.01, 0.01)
-        wanted, state = driven.rates(), driven.get_state()
-        driven.do_step(0.03, 0.05)
+        driven.step(0.01, times=3)
+        wanted, state = driven.rates(), driven.save()
+        driven.step(0.05)
         assert driven.rates() != wanted
-        driven.set_state(state)
+        driven.restore(state)
         assert driven.rates() == wanted
-        driven.set_start_values({"stiffness.edge": 1e19})
+        driven.set({"stiffness.edge": 1e19})
         with pytest.raises(FmuError, match="discarded"):
-            driven.do_step(0.03, 1.0)
+            driven.step(1.0)
         assert driven.rates() == wanted
-        other.set_state(other.state_from(driven.state_bytes(state)))
+        other.restore(bytes(state))
         assert other.rates() == wanted
-        other.reset()
-        other.initialize({})
-        other.exit_initialization()
+        other.restart({})
         assert other.rate("energy.kinetic") == other.rate("plane.floor.reaction.z") == 0

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from c_host import Fmu, Host, opened
+from c_host import Fmu, Host
 from scenes import box
 
 LINUX = sys.platform == "linux"
@@ -78,7 +78,7 @@ def own_memory() -> int:
 def taken(path: str, guid: bytes, uri: bytes) -> tuple[int, int, int]:
     """What this process, which has nothing else to do, takes for an instance up to its first step, and for ten saved states; the bytes of
     these when they are serialized. All in kB."""
-    fmu = SimpleNamespace(library=opened(path), guid=guid, uri=uri)
+    fmu = SimpleNamespace(standard=Fmu.standard, library=Fmu.opened(path), guid=guid, uri=uri)
     before = own_memory()
     host = Host(fmu)
     host.begin()

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 import pytest
 
-from c_host import DISCARD, ERROR, STEP, STEPS, TIMES, Host, check_message, doubles, ints, uints
+from c_host import DISCARD, ERROR, STEP, Host, check_message, doubles, ints, uints
 from c_host3 import Host3
 from illegal_calls import (
     ALIVE,
@@ -24,7 +24,7 @@ from illegal_calls import (
     require_refusal,
 )
 from signatures import ABSENT, OTHER_TYPES
-from straight_run import RICH, apply, check_as_new, straight
+from straight_run import RICH, check_as_new, check_straight, straight
 
 NAN, INF = float("nan"), float("inf")
 UNSET, DONE, OVER = (FRESH, INITIALIZING), (RUNNING, ENDED), (ENDED, FAILED)
@@ -65,11 +65,7 @@ EITHER = [
     (SETTABLE, "mass: is of type Real, got a call for Integer", lambda h: h.set_integer("mass", 1)),
     (SETTABLE, "solver.method: is of type Integer, got a call for Real", lambda h: h.put_by_name({"solver.method": 1.0})),
     (SETTABLE, "damping: wanted a finite number, got nan", lambda h: mixed(h, "damping", NAN)),
-    (SETTABLE, "load.push.x: wanted a finite number, got inf", lambda h: mixed(h, "load.push.x", INF)),
-    (SETTABLE, "gravity.y: wanted a finite number, got -inf", lambda h: mixed(h, "gravity.y", -INF)),
     (SETTABLE, "damping: wanted >= 0 N.s/m, got -1", lambda h: mixed(h, "damping", -1.0)),
-    (SETTABLE, "stiffness.edge: wanted >= 0 N/m, got -2", lambda h: mixed(h, "stiffness.edge", -2.0)),
-    (SETTABLE, "plane.wall.friction: wanted >= 0, got -0.5", lambda h: mixed(h, "plane.wall.friction", -0.5)),
     (SETTABLE, "energy.kinetic: cannot be set", lambda h: mixed(h, "energy.kinetic", 1.0)),
     (UNSET, "mass: wanted > 0 kg, got 0", lambda h: mixed(h, "mass", 0.0)),
     ((RUNNING,), "mass: cannot be set after initialization", lambda h: mixed(h, "mass", 2.0)),
@@ -133,7 +129,6 @@ OF_FMI2 = [
         lambda h: h("GetRealOutputDerivatives", uints([POSITION]), 1, ints([1]), None),
     ),
     (ALIVE, "value reference 0: this scene has no such", call("GetReal", 0)),
-    (ALIVE, "value reference 4294967295", call("GetReal", 4294967295)),
     (ALIVE, f"value reference {POSITION + 81}", call("GetReal", POSITION, POSITION + 81)),
     (SETTABLE, f"value reference {(1 << 24) + 3}", call("SetReal", 2 << 24, (1 << 24) + 3)),
     (ALIVE, "plane.ground.contacts: is of type Integer, got a call for Real", lambda h: asked(h, "plane.ground.contacts", "GetReal")),
@@ -241,13 +236,13 @@ def test_random_illegal_calls_between_legal_ones_leave_a_reset_as_new(rich_of_ea
 
 
 def test_a_refused_foreign_state_leaves_the_run_as_it_was(rich_of_each):
-    expected, host = straight(rich_of_each), rich_of_each.host()
-    host.begin()
-    for n in range(STEPS):
-        apply(host, n)
+    host = rich_of_each.host()
+
+    def refuse() -> None:
         assert host("SetFMUstate", host.component) == damaged(host) == ERROR
-        host.must("DoStep", TIMES[n], STEP, 1)
-        assert host.outputs() == expected[n + 1]
+
+    host.begin()
+    check_straight(host, straight(rich_of_each), refuse)
     host.free()
 
 

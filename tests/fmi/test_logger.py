@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from c_host import DISCARD, ERROR, OK, STEP, TIMES, WARNING, Fmu, Host, check_message, doubles, uints
+from c_host import DISCARD, ERROR, OK, STEP, WARNING, Fmu, Host, doubles, uints
 from scenes import MOVED, box
-from straight_run import apply, straight
+from straight_run import check_straight, straight
 
 CANCELLED = b"fmi2CancelStep: steps are never pending, there is none to cancel"
 
@@ -107,53 +107,36 @@ def test_messages_come_only_where_they_were_asked_for_and_in_declared_categories
         host.free()
 
 
-def test_categories_are_switched_one_by_one_and_errors_always_come(rich):
-    host = Host(rich)
-    host.must("SetDebugLogging", 1, 1, (c_char_p * 1)(b"logStatusWarning"))
-    talkative(host)
-    assert {message[3] for message in host.messages} == {b"logStatusWarning"}
-    host.must("SetDebugLogging", 0, 0, None)
-    host.messages.clear()
-    host.must("Reset")
-    talkative(host)
-    assert host.messages == []
-    assert host("DoStep", 9.0, STEP, 1) == ERROR
-    check_message(host, "fmi2DoStep")
-    host.free()
-
-
 def test_there_is_no_step_to_cancel_and_the_run_goes_on(rich):
     expected = straight(rich, 3)
     host = Host(rich)
 
-    def cancelled() -> bool:
+    def cancel() -> None:
         status, message = host("CancelStep"), host.messages.pop()
-        return status == message[2] == WARNING and message[3:] == (b"logStatusWarning", CANCELLED) and not host.messages
+        assert status == message[2] == WARNING and message[3:] == (b"logStatusWarning", CANCELLED) and not host.messages
 
-    assert cancelled()
+    cancel()
     assert host.enter() == OK
-    assert cancelled()
+    cancel()
     host.must("ExitInitializationMode")
-    for n in range(3):
-        assert cancelled()
-        apply(host, n)
-        host.must("DoStep", TIMES[n], STEP, 1)
-        assert host.outputs() == expected[n + 1]
+    check_straight(host, expected, cancel)
     host.must("Terminate")
-    assert cancelled()
+    cancel()
     host.free()
 
 
 def test_a_run_that_was_not_set_up_is_warned_of_once_and_is_that_of_the_defaults(rich):
+    told = b"fmi2SetupExperiment was not called: the run starts at time 0 s, has no stop time"
     expected, host = straight(rich, 3), Host(rich, logging=True)
-    host.must("EnterInitializationMode")
-    host.must("ExitInitializationMode")
-    for n in range(3):
-        apply(host, n)
-        host.must("DoStep", TIMES[n], STEP, 1)
-        assert host.outputs() == expected[n + 1]
-    said = [message[2:4] for message in host.messages if b"fmi2SetupExperiment was not called" in message[4]]
-    assert said == [(WARNING, b"logStatusWarning")]
+    for runs in (1, 2):
+        host.must("EnterInitializationMode")
+        host.must("ExitInitializationMode")
+        check_straight(host, expected)
+        said = [message[2:4] for message in host.messages if told in message[4]]
+        assert said == [(WARNING, b"logStatusWarning")] * runs
+        host.must("Reset")
+    host.begin()
+    assert sum(told in message[4] for message in host.messages) == 2
     host.free()
 
 

@@ -1,32 +1,21 @@
-#include "bodies.hpp"
-#include "body/rigid_motion.hpp"
-#include "check.hpp"
 #include "flight/floating_frame.hpp"
-#include "methods/dop853.hpp"
+
+#include "body/rigid_motion.hpp"
 #include "methods/traits.hpp"
+#include "ros34pw2_scenes.hpp"
 
 using namespace softffd;
 
 namespace {
 
-struct Thrown {
-  Lattice lattice;
-  Body body;
-  Drive around;
-  State start;
-  Equations equations() const { return {body, around}; }
-};
-
 /// A slab of uneven masses that turns about all axes; `loaded`: gravity and a force on one corner.
-Thrown turning(double stiffness, bool loaded = false, bool ramped = false, double damping = 0) {
+Scene turning(double stiffness, bool loaded = false, bool ramped = false, double damping = 0) {
   const Lattice lattice{{4, 3, 2}, Vec3::Zero(), Vec3(1.0, 0.6, 0.3)};
   const int n = lattice.points();
-  Thrown s{lattice, even_body(lattice, stiffness), no_forces(n), at_rest(lattice)};
+  Scene s{lattice, even_body(lattice, stiffness), no_forces(n), at_rest(lattice), 0};
   s.body.damping.setConstant(damping);
-  s.body.damped = damping > 0;
   for (int p = 0; p < n; ++p) s.body.mass[p] = 0.1 + 0.03 * std::sin(3.0 * p);
-  s.body.inverse_mass = 1 / s.body.mass.replicate(3, 1);
-  s.body.damping_rate = damping * s.body.inverse_mass;
+  set_rates(s.body);
   if (loaded) {
     s.around.force.col(2) = -9.81 * s.body.mass;
     set_row(s.around.force, n - 1, row(s.around.force, n - 1) + Vec3(2, -1, 3));
@@ -46,44 +35,35 @@ struct Flight {
   }
 };
 
-struct Flown {
-  State state;
-  Exchange exchange;
+struct Flown : Result {
   double error = 0;  ///< sum of the steps' estimates [m]
 };
 
-Flown run(const Thrown& s, OneStep& method, double duration, int steps, bool watch = true) {
-  Flown r{s.start, {}, 0};
+Flown run(const Scene& s, OneStep& method, double duration, int steps, bool watch = true) {
+  Flown r{begin(s)};
+  const Equations equations{s.body, s.around};
   const double h = duration / steps;
   for (int i = 0; i < steps; ++i) {
-    method.ledger.open(s.equations(), watch, true);
-    r.error += method.attempt(s.equations(), r.state.time, h, r.state);
-    method.ledger.settle(r.exchange);
-    r.state.x.swap(method.x);
-    r.state.v.swap(method.v);
-    r.state.time += h;
-    s.body.internal_force(r.state.x, r.state.spring);
+    method.ledger.open(equations, watch, true);
+    r.error += method.attempt(equations, r.state.time, h, r.state);
+    accept(method, s, h, r);
   }
   return r;
 }
 
 /// By the method itself.
-Flown fly(const Thrown& s, double duration, int steps, bool watch = true) {
+Flown fly(const Scene& s, double duration, int steps, bool watch = true) {
   Flight frame(s.lattice);
   return run(s, frame.method, duration, steps, watch);
 }
 
 /// 0.5 s of explicit steps that resolve everything.
-Flown reference(const Thrown& s) {
+Flown resolved(const Scene& s) {
   Dop853 explicit_steps(s.body.points(), 0);
   return run(s, explicit_steps, 0.5, 2000);
 }
 
-double energy(const Thrown& s, const State& state) {
-  return 0.5 * (s.body.mass * state.v.square().rowwise().sum()).sum() + s.body.elastic_energy(state.x);
-}
-
-RigidMotion motion(const Thrown& s, const State& state) { return rigid_motion(s.body.mass, state.x, state.v); }
+RigidMotion motion(const Scene& s, const State& state) { return rigid_motion(s.body.mass, state.x, state.v); }
 
 }  // namespace
 
@@ -91,8 +71,8 @@ RigidMotion motion(const Thrown& s, const State& state) { return rigid_motion(s.
 TEST(stiff_bodies_fly_and_turn_as_explicit_steps_have_it) {
   for (const bool loaded : {false, true})
     for (const double damping : {0.0, 0.05}) {
-      const Thrown s = turning(1e6, loaded, loaded, damping);
-      const State exact = reference(s).state;
+      const Scene s = turning(1e6, loaded, loaded, damping);
+      const State exact = resolved(s).state;
       for (const int steps : {5, 50}) {
         const Flown r = fly(s, 0.5, steps);
         CHECK_NEAR(distance(r.state.x, exact.x), 0, 1e-5);
@@ -104,7 +84,7 @@ TEST(stiff_bodies_fly_and_turn_as_explicit_steps_have_it) {
 TEST(stiffer_bodies_come_nearer) {
   double before = 0;
   for (const double stiffness : {1e4, 1e5, 1e6}) {
-    const Thrown s = turning(stiffness);
+    const Scene s = turning(stiffness);
     const double difference = distance(fly(s, 0.5, 25).state.x, fly(s, 0.5, 400).state.x);
     if (before > 0) CHECK(difference < before / 5);
     before = difference;
@@ -112,7 +92,7 @@ TEST(stiffer_bodies_come_nearer) {
 }
 
 TEST(torque_free_flight_keeps_momentum_and_angular_momentum) {
-  const Thrown s = turning(1e6);
+  const Scene s = turning(1e6);
   const RigidMotion before = motion(s, s.start), after = motion(s, fly(s, 20, 2000).state);
   CHECK_NEAR((after.angular_momentum - before.angular_momentum).norm() / before.angular_momentum.norm(), 0, 1e-12);
   CHECK_NEAR((after.velocity - before.velocity).norm(), 0, 1e-12);
@@ -123,10 +103,10 @@ TEST(torque_free_flight_keeps_momentum_and_angular_momentum) {
 TEST(what_the_deformation_loses_is_booked_as_dissipated) {
   for (const bool ramped : {false, true})
     for (const double damping : {0.0, 0.05}) {
-      const Thrown s = turning(1e5, true, ramped, damping);
+      const Scene s = turning(1e5, true, ramped, damping);
       const Flown r = fly(s, 0.5, 50);
-      const double constant = (s.around.force * (r.state.x - s.start.x)).sum(), before = energy(s, s.start);
-      CHECK_NEAR(energy(s, r.state) + r.exchange.dissipated, before + constant + r.exchange.work, 1e-12 * before);
+      const double constant = (s.around.force * (r.state.x - s.start.x)).sum(), before = conserved(s, s.start).energy;
+      CHECK_NEAR(conserved(s, r.state).energy + r.exchange.dissipated, before + constant + r.exchange.work, 1e-12 * before);
       CHECK(r.exchange.dissipated > 0);
       CHECK((r.exchange.work != 0) == ramped);
       const Exchange unwatched = fly(s, 0.1, 10, false).exchange;
@@ -136,15 +116,15 @@ TEST(what_the_deformation_loses_is_booked_as_dissipated) {
 
 /// In the limit of stiffness: rigid, they would do the same.
 TEST(work_of_ramps_is_that_of_explicit_steps) {
-  const Thrown s = turning(1e6, true, true);
-  const double explicit_work = reference(s).exchange.work;
+  const Scene s = turning(1e6, true, true);
+  const double explicit_work = resolved(s).exchange.work;
   CHECK_NEAR(fly(s, 0.5, 50).exchange.work, explicit_work, 1e-5 * std::abs(explicit_work));
 }
 
 /// From a state without vibrations; a body so soft that the change of its shape counts, by 3e-5 m if it were left out of the moments. Much
 /// finer steps resolve vibrations, which leaves 1e-7 m.
 TEST(change_of_shape_is_followed_beyond_first_order) {
-  Thrown s = turning(1e4, true, true);
+  Scene s = turning(1e4, true, true);
   Flight frame(s.lattice);  // the same for runs that go back in time and take other steps
   const auto flown = [&](double duration, int steps) { return run(s, frame.method, duration, steps).state; };
   s.start = flown(0.5, 25);
@@ -155,7 +135,7 @@ TEST(change_of_shape_is_followed_beyond_first_order) {
 }
 
 TEST(one_factor_serves_many_steps_however_the_body_turns) {
-  const Thrown s = turning(1e6);
+  const Scene s = turning(1e6);
   Flight frame(s.lattice);
   run(s, frame.method, 2, 200);
   CHECK(frame.deformation.factorizations() == 200 / Ros34pw2::most_uses);
@@ -163,18 +143,18 @@ TEST(one_factor_serves_many_steps_however_the_body_turns) {
 
 /// Fast against the step, its springs' vibrations end; the energy of the turning stays.
 TEST(vibrations_end_and_the_rotation_stays) {
-  Thrown s = turning(1e6);
+  Scene s = turning(1e6);
   for (int p = 0; p < s.body.points(); ++p) s.start.x(p, 0) += 1e-5 * std::cos(7.0 * p);
   s.body.internal_force(s.start.x, s.start.spring);
   const Flown few = fly(s, 0.1, 10), many = fly(s, 10, 1000);
   const double vibration = s.body.elastic_energy(s.start.x);
   CHECK_NEAR(few.exchange.dissipated, vibration, 0.5 * vibration);
-  CHECK_NEAR(many.exchange.dissipated, few.exchange.dissipated, 1e-6 * energy(s, s.start));
+  CHECK_NEAR(many.exchange.dissipated, few.exchange.dissipated, 1e-6 * conserved(s, s.start).energy);
 }
 
 /// A soft body that grows while it turns: Coriolis' force is by far the largest that is left out.
 TEST(coriolis_force_on_the_deformation_is_part_of_the_error) {
-  Thrown s = turning(1);
+  Scene s = turning(1);
   s.start.v += 0.3 * s.start.x;
   Flight frame(s.lattice);
   const double h = 1e-3, scale = traits(Method::floating_frame).tolerance_sum * frame.method.time_scale[0];

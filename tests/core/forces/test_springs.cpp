@@ -46,27 +46,6 @@ TEST(force_is_minus_the_gradient_of_the_energy_and_adds_up_to_nothing) {
   CHECK((f == 0).all());
 }
 
-TEST(a_region_needs_both_ends_and_the_last_one_wins) {
-  const Lattice lattice;
-  Springs springs(lattice, Topology::distinct);
-  std::vector<bool> lower(64, false), pair(64, false);
-  for (int p = 0; p < 16; ++p) lower[p] = true;
-  pair[0] = pair[1] = true;
-  springs.set_stiffness({1, 1, 1}, {{lower, 5}, {pair, 9}});
-  const auto& edges = springs.rows()[0];
-  CHECK(edges.stiffness[0] == 9 && edges.stiffness[1] == 5 && edges.stiffness[16] == 1);
-  CHECK(springs.rows()[2].stiffness[0] == 1);
-}
-
-TEST(dashpots_of_a_region_need_both_ends_too) {
-  Springs springs = make({{2, 2, 2}}, Topology::distinct, {4, 5, 6});
-  std::vector<bool> lower(8, false);
-  for (int p = 0; p < 4; ++p) lower[p] = true;
-  springs.set_dashpots(0, {{lower, 0.5}});
-  CHECK(springs.dashpots() && springs.longest_time() == 0.5);
-  CHECK(springs.rows()[0].dashpot[0] == 2 && springs.rows()[2].dashpot[0] == 0 && springs.rows()[0].dashpot[4] == 0);
-}
-
 namespace {
 
 /// Stiffness of all springs of a modulus [Pa], and for each direction their sum.
@@ -108,19 +87,4 @@ TEST(cubes_of_a_modulus_have_the_published_stiffness) {
   CHECK_NEAR(diagonals.stiffness[lattice.index(1, 0, 1) - diagonals.begin], inside, 1e-12);
   CHECK_NEAR(diagonals.stiffness[lattice.index(1, 0, 0) - diagonals.begin], inside / 2, 1e-12);
   CHECK((springs.rows()[12].stiffness == 0).all());
-}
-
-TEST(a_cell_of_its_own_modulus_gives_its_part_to_the_springs_it_shares) {
-  const Lattice lattice{{3, 2, 2}, {0, 0, 0}, {2, 1, 1}};
-  Springs springs(lattice, Topology::distinct);
-  springs.set_modulus(Eigen::Array2d(1e3, 3e3), Eigen::Array2d(0, 1e-3));
-  const Springs first = solid(lattice, 1e3);
-  const auto& along_y = springs.rows()[1];  // at x = 0, in the middle, at the end
-  for (int i = 0; i < 3; ++i) {
-    const int lane = lattice.index(i, 0, 0) - along_y.begin;
-    CHECK_NEAR(along_y.stiffness[lane] / first.rows()[1].stiffness[lane], i + 1.0, 1e-14);
-    CHECK_NEAR(along_y.dashpot[lane] / first.rows()[1].stiffness[lane], 1.5e-3 * i, 1e-14);
-  }
-  CHECK_NEAR(springs.longest_time(), 1e-3, 1e-18);
-  CHECK(!first.dashpots());
 }

@@ -4,21 +4,6 @@
 
 using namespace softffd;
 
-TEST(a_vibration_has_the_frequency_of_the_central_difference) {
-  const Oscillator o{.w0 = 0};
-  const double h = 0.03;  // omega h = 0.6
-  const Scene s = scene(o, 100 * h);
-  const State end = run_with<Leapfrog>(s, 100).state;
-  const double slow = 2 * std::asin(0.5 * o.omega() * h);                         // angle per step
-  CHECK_NEAR(end.x(1, 0) - end.x(0, 0) - 1, o.y0 * std::cos(100 * slow), 1e-13);  // 100 steps of rounding of 1e-16
-}
-
-TEST(pins_receive_to_rounding_what_the_body_loses) {
-  Scene s = soft(false, true);
-  pin_ends(s, swinging);
-  CHECK_NEAR(momentum_lost(s, run_with<Leapfrog>(s, 20)), 0.0, 1e-13);  // momenta of 1 N s
-}
-
 TEST(steps_in_contact_have_the_bits_of_those_that_are_watched) {  // which keep what lies between two kicks of all points
   Scene s = soft(true, false, {{4, 4, 4}});
   s.duration = 4;
@@ -62,13 +47,6 @@ double order_pressed(double friction, double time) {
 TEST(second_order_in_lasting_contact) {
   for (const double friction : {0.0, 0.2})
     for (const double time : {0.0, 0.003, 0.01}) CHECK_NEAR(order_pressed(friction, time), 2.0, 0.15);
-}
-
-TEST(pins_receive_to_rounding_what_a_body_with_carried_velocities_loses) {
-  Scene s = soft(false, true);
-  pin_ends(s, swinging);
-  s = with_dashpots(s, 0.003);
-  CHECK_NEAR(momentum_lost(s, carrying(s, 20)), 0.0, 1e-13);
 }
 
 /// The oscillator swings with omega = 20 / s, its dashpots' rate is tau omega^2.

@@ -40,31 +40,6 @@ TEST(a_fresh_factor_belongs_to_the_state_at_hand) {
   CHECK(method.factored.h == s.duration / 7 && method.factorizations() == 3);
 }
 
-TEST(a_restored_factor_continues_with_the_same_bits) {
-  Scene s = soft(true, true);
-  pin_ends(s, moving({0.3, 0.4, -0.2}, {2, -3, 1}));
-  const Equations equations{s.body, s.around};
-  const double h = 0.01;
-  const auto advance = [&](Ros34pw2& method, Result& r, int first, int count) {
-    for (int i = first; i < first + count; ++i) {
-      method.ledger.open(equations, true);
-      method.attempt(equations, i * h, h, r.state);
-      accept(method, s, h, r);
-    }
-  };
-  Ros34pw2 whole(s.lattice, 2), other(s.lattice, 2);
-  Result r = begin(s);
-  advance(whole, r, 0, 7);
-  const Factored saved = whole.factored;
-  Result copy = r;
-  advance(whole, r, 7, 20);
-  other.factored = saved;
-  advance(other, copy, 7, 20);
-  CHECK(same_bits(r.state.x, copy.state.x) && same_bits(r.state.v, copy.state.v));
-  CHECK(r.exchange.work == copy.exchange.work && r.exchange.pins[1].torque == copy.exchange.pins[1].torque);
-  CHECK(whole.factorizations() == 2 && other.factorizations() == 2);
-}
-
 TEST(a_changed_body_gets_its_own_factor) {
   Scene s = soft();
   Ros34pw2 method(s.lattice, 0), fresh(s.lattice, 0);

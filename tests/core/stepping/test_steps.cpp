@@ -23,21 +23,6 @@ Points reference() {
 
 }  // namespace
 
-TEST(given_steps_of_every_method_have_its_order) {
-  const Points exact = reference();
-  for (Method method : fixed_methods) {
-    std::vector<double> errors;
-    for (Count steps : {50, 100}) {
-      Bench b;
-      b.request.step = 0.1 / double(steps);
-      CHECK(run_counted(b.integrators, b.context(), method, steps) == StepStatus::ok);
-      CHECK(b.run.path.steps == steps && b.run.path.clock.count == steps);
-      errors.push_back(distance(b.run.path.motion.x, exact));
-    }
-    CHECK_NEAR(std::log2(errors[0] / errors[1]), double(traits(method).order), 0.15);
-  }
-}
-
 TEST(fitted_and_controlled_steps_keep_the_tolerance_and_end_where_they_should) {
   const Points exact = reference();
   const auto keeps = [&](const Bench& b) {

@@ -5,9 +5,15 @@
 /// alone is seen. As it defines malloc, only one source of a program may include it.
 #pragma once
 #include <cstdlib>
+#include <functional>
 #include <new>
 
 #include "host.hpp"
+
+#if defined(__unix__)
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SANITIZED 1
@@ -114,6 +120,29 @@ void each_request_fails(const char* what, Attempt&& attempt) {
     CHECK(live == before);
     if (!failed) return;
   }
+}
+
+/// What a block returns that runs in a process of its own, so that a crash is a failed check and not the end of the program; false then.
+inline bool survived(const char* what, const std::function<bool()>& block) {
+#if defined(__unix__)
+  constexpr int failed_checks = 1, said_yes = 42;
+  std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child == 0) {
+    const int before = check::failures;
+    const bool said = block();
+    std::fflush(nullptr);
+    _exit(check::failures > before ? failed_checks : said ? said_yes : 0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  const bool said = WIFEXITED(status) && WEXITSTATUS(status) == said_yes, well = said || (WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  if (!well) std::printf("    %s: the process ended with status %d\n", what, status);
+  CHECK(well);
+  return said;
+#else
+  return block();
+#endif
 }
 
 }  // namespace memory

@@ -4,11 +4,8 @@
 
 #if defined(__GLIBC__) && !defined(SANITIZED)
 #include <dlfcn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
-#include <functional>
 #include <optional>
 #include <thread>
 
@@ -52,30 +49,15 @@ class Worker {
   }};
 };
 
-constexpr int failed_checks = 1, said_yes = 42;
-using Block = std::function<bool(const Loaded&, Worker&)>;
-
-/// Runs a block in a process of its own and returns what it does; false if it failed. early: the thread is there before the library is
-/// loaded.
-bool survived(bool early, const Block& block) {
-  std::fflush(nullptr);
-  const pid_t child = fork();
-  if (child == 0) {
-    const int before = check::failures;
+/// What a block returns in a process of its own. early: the thread is there before the library is loaded.
+bool survived(bool early, const std::function<bool(const Loaded&, Worker&)>& block) {
+  return memory::survived("a thread", [&] {
     std::optional<Worker> worker;
     if (early) worker.emplace();
     const Loaded loaded;
     if (!early) worker.emplace();
-    const bool said = block(loaded, *worker);
-    std::fflush(nullptr);
-    _exit(check::failures > before ? failed_checks : said ? said_yes : 0);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  const bool well = WIFEXITED(status) && (WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == said_yes);
-  if (!well) std::printf("    the process ended with status %d\n", status);
-  CHECK(well);
-  return well && WEXITSTATUS(status) == said_yes;
+    return block(loaded, *worker);
+  });
 }
 
 }  // namespace

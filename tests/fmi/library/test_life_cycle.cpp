@@ -6,42 +6,16 @@
 #include "instances.hpp"
 #include "life_cycle.hpp"
 
-namespace {
-
-fmi2Component box(const char* guid = "{g}") {
-  static const std::string uri = component::resources(component::everything);
-  return component::instantiate(uri, fmi2False, guid);
-}
-
-void run(fmi2Component c, int steps) {
-  CHECK(component::begin(c) == fmi2OK);
-  for (int i = 0; i < steps; ++i) CHECK(component::step(c, i) == fmi2OK);
-}
-
-}  // namespace
-
 TEST(floating_point_exceptions_are_the_hosts_own) {
-  fmi2Component c = box();
+  fmi2Component c = component::instantiate(component::resources(component::everything));
   std::feclearexcept(FE_ALL_EXCEPT);
-  run(c, 2);
+  CHECK(component::begin(c) == fmi2OK && component::step(c, 0) == fmi2OK && component::step(c, 1) == fmi2OK);
   CHECK(std::fetestexcept(FE_ALL_EXCEPT) == 0);
   std::feraiseexcept(FE_DIVBYZERO);
   CHECK(component::step(c, 2) == fmi2OK);
   CHECK(std::fetestexcept(FE_ALL_EXCEPT) == FE_DIVBYZERO);
   std::feclearexcept(FE_ALL_EXCEPT);
   fmi2FreeInstance(c);
-}
-
-TEST(calls_in_the_wrong_state_or_on_dead_handles_are_errors) {
-  CHECK(fmi2DoStep(nullptr, 0, 1, fmi2True) == fmi2Error);
-  fmi2Component c = box();
-  CHECK(component::step(c, 0) == fmi2Error);
-  CHECK(fmi2Reset(c) == fmi2OK);
-  run(c, 1);
-  fmi2FreeInstance(c);
-  CHECK(component::step(c, 1) == fmi2Error);
-  fmi2FreeInstance(c);
-  CHECK(box("{another}") == nullptr);
 }
 
 namespace {

@@ -37,35 +37,6 @@ const std::string turned_inside_out = "-1 1 1 0 0 0 0 0 0 0 0 0", as_drawn = "1 
 
 }  // namespace
 
-TEST(a_warning_is_given_once_in_a_run_and_again_in_the_next) {
-  Run run(turned_inside_out, "damping 0.1\n");
-  run.start();
-  CHECK(count("logStatusWarning: at time 0 s 8 of the lattice's cells are inverted") == 1);
-  run.steps(0, 3);
-  CHECK(count("inverted") == 1);
-  run.instance.reset();
-  run.start();
-  CHECK(count("inverted") == 2);
-}
-
-TEST(a_run_that_was_not_set_up_is_told_once_and_has_the_defaults) {
-  const auto begin = [](Instance& instance) {
-    instance.enter_initialization();
-    instance.exit_initialization();
-  };
-  Run run(as_drawn, "damping 0.1\nmethod 3\n");
-  begin(run.instance);
-  run.steps(0, 2);
-  CHECK(count("logStatusWarning: fmi2SetupExperiment was not called: the run starts at time 0 s, has no stop time") == 1);
-  CHECK(run.instance.last_successful_time() == 0.02);
-  run.instance.reset();
-  begin(run.instance);
-  CHECK(count("fmi2SetupExperiment was not called") == 2);
-  run.instance.reset();
-  run.start();
-  CHECK(count("fmi2SetupExperiment was not called") == 2);
-}
-
 TEST(that_a_run_was_set_up_is_part_of_its_state) {
   for (const bool given : {false, true}) {
     Run run(as_drawn, "damping 0.1\n"), other(as_drawn, "damping 0.1\n");

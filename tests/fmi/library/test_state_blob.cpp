@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "check.hpp"
+#include "instances.hpp"
 #include "resource/checksum.hpp"
 
 using namespace softffd::fmi;
@@ -17,12 +17,7 @@ const std::string guid = "{guid}";
 
 /// What a serialized state is refused with; empty: it is taken.
 std::string loading(const Bytes& serialized, const std::string& scene = guid) {
-  try {
-    without_head(scene, serialized);
-  } catch (const StateError& error) {
-    return error.what();
-  }
-  return {};
+  return refusal<StateError>([&] { without_head(scene, serialized); });
 }
 
 template <class Value, class Read>
@@ -30,12 +25,7 @@ bool refused(Value value, Read&& read) {
   Bytes bytes;
   StateWriter(bytes).integer(value);
   StateReader reader(bytes);
-  try {
-    read(reader);
-  } catch (const StateError&) {
-    return true;
-  }
-  return false;
+  return !refusal<StateError>([&] { read(reader); }).empty();
 }
 
 Count word_of(double value) { return std::bit_cast<Count>(value); }
@@ -92,14 +82,8 @@ TEST(reading_past_the_end_is_refused) {
   for (std::size_t length : {0, 1, 7}) {
     const Bytes bytes(length, 0);
     StateReader reader(bytes);
-    bool thrown = false;
-    try {
-      Count value;
-      reader.integer(value);
-    } catch (const StateError&) {
-      thrown = true;
-    }
-    CHECK(thrown);
+    Count value;
+    CHECK(!refusal<StateError>([&] { reader.integer(value); }).empty());
   }
 }
 

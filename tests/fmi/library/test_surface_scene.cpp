@@ -52,15 +52,3 @@ TEST(the_lattice_of_a_body_that_rests_on_its_surface_is_behind_the_plane) {
   CHECK(value_of(*instance, Family::position, Type::Real, 2) < -0.05);
   CHECK(value_of(*instance, Family::plane_contacts, Type::Integer) == 4);
 }
-
-TEST(a_state_in_contact_of_the_surface_goes_on_with_the_same_bits) {
-  for (const std::string more : {"", "step 0.001\n", "error_estimate\n"}) {
-    const auto instance = begun(ground + pyramid + more), other = begun(ground + pyramid + more);
-    run(*instance, 0, 80);
-    other->load_state(instance->save_state());
-    CHECK(instance->save_state() == other->save_state());
-    run(*instance, 80, 120);
-    run(*other, 80, 120);
-    CHECK(instance->save_state() == other->save_state());
-  }
-}

@@ -9,7 +9,6 @@
 
 using namespace whole_scene;
 using softffd::Settings;
-using softffd::SoftBody;
 using softffd::Vec3;
 
 TEST(every_family_has_variables_with_names_of_their_own) {
@@ -38,12 +37,10 @@ TEST(names_tell_the_member_and_the_component) {
 }
 
 TEST(flat_names_have_underscores_at_control_points) {
-  const SceneFile file = parse_scene(small_scene::Box{.side = 3}.text("flat_names\nforces 2 3\n"));
-  SoftBody body(file.definition);
-  const Variables variables(file, body.settings);
-  CHECK(variables.name(reference_of(Family::force, 4)) == "force_0_1_0_y");
-  CHECK(variables.name(reference_of(Family::position, 3 * 26)) == "position_2_2_2_x");
-  CHECK(variables.name(reference_of(Family::mass, 0)) == "mass");
+  const Scene scene(small_scene::Box{.side = 3}.text("flat_names\nforces 2 3\n"));
+  CHECK(scene.variables.name(reference_of(Family::force, 4)) == "force_0_1_0_y");
+  CHECK(scene.variables.name(reference_of(Family::position, 3 * 26)) == "position_2_2_2_x");
+  CHECK(scene.variables.name(reference_of(Family::mass, 0)) == "mass");
 }
 
 TEST(every_settable_variable_takes_a_value_and_gives_it_back) {
@@ -140,13 +137,11 @@ TEST(values_out_of_range_are_refused_and_nothing_is_set) {
 TEST(components_of_a_pose_are_inputs_where_the_scene_names_them_and_parameters_else) {
   std::string records = text.substr(text.find('\n') + 1);
   records.insert(records.find("pin foot"), "plane_inputs point.z velocity.x\n");
-  const SceneFile file = parse_scene(small_scene::with_first_line(records));
-  SoftBody body(file.definition);
-  Variables variables(file, body.settings);
+  Scene scene(small_scene::with_first_line(records));
   const auto names = [&](Family family) {
     std::vector<std::string> found;
     for (int n = 0; n < 12; ++n)
-      if (const std::string name = variables.name(reference_of(family, n)); name.find("value reference") != 0) found.push_back(name);
+      if (const std::string name = scene.variables.name(reference_of(family, n)); name.find("value reference") != 0) found.push_back(name);
     return found;
   };
   using Names = std::vector<std::string>;
@@ -155,17 +150,15 @@ TEST(components_of_a_pose_are_inputs_where_the_scene_names_them_and_parameters_e
          Names{"plane.ground.point.x", "plane.ground.point.y", "plane.ground.point.z", "plane.lid.point.x", "plane.lid.point.y"}));
   CHECK(names(Family::plane_normal).empty() && names(Family::fixed_plane_normal).size() == 6);
   CHECK((names(Family::pin_orientation).back() == "pin.arm.orientation.w" && names(Family::fixed_pin_velocity).size() == 3));
-  const fmi2ValueReference references[] = {reference_of(Family::plane_point), reference_of(Family::fixed_plane_point, 3),
-                                           reference_of(Family::fixed_plane_normal, 3)};
-  const double numbers[] = {8, 0.5, 0.25};
-  variables.set(instantiated, Type::Real, references, 3, numbers);
-  const int first = 1;
-  const double rate = -2;
-  variables.set_input_derivatives(references, 1, &first, &rate);
-  variables.apply(body.settings);
-  const auto& lid = body.settings.planes[1];
+  const fmi2ValueReference fixed_point = reference_of(Family::fixed_plane_point, 3);
+  scene.set(reference_of(Family::plane_point), 8);
+  scene.set(fixed_point, 0.5);
+  scene.set(reference_of(Family::fixed_plane_normal, 3), 0.25);
+  scene.rate(reference_of(Family::plane_point), 1, -2);
+  scene.variables.apply(scene.body.settings);
+  const auto& lid = scene.body.settings.planes[1];
   CHECK(lid.point == Vec3(0.5, 0, 8) && lid.normal == Vec3(0.25, 0, -1) && lid.velocity == Vec3(0, 0, -2));
-  CHECK(refusal([&] { variables.set(stepping, Type::Real, &references[1], 1, numbers); }).find("cannot be set after") != std::string::npos);
+  CHECK(refusal([&] { scene.set(fixed_point, 8, Type::Real, stepping); }).find("cannot be set after") != std::string::npos);
 }
 
 TEST(what_may_be_set_when_follows_causality_and_variability) {
@@ -217,44 +210,33 @@ TEST(values_reach_their_places_in_the_settings) {
 }
 
 TEST(a_modulus_takes_the_place_of_stiffness_and_reaches_the_settings) {
-  const SceneFile file = parse_scene(
-      small_scene::with_first_line("guid {g}\ncounts 2 2 2\nmass 1 1 1 1 1 1 1 1\nyoungs_modulus 2e5\ninternal_damping 0.001\n"));
-  SoftBody body(file.definition);
-  Variables variables(file, body.settings);
-  CHECK(body.settings.modulus == 2e5 && body.settings.internal_damping == 0.001);
-  CHECK(variables.name(reference_of(Family::youngs_modulus)) == "youngs_modulus");
+  Scene scene(small_scene::with_first_line("guid {g}\ncounts 2 2 2\nmass 1 1 1 1 1 1 1 1\nyoungs_modulus 2e5\ninternal_damping 0.001\n"));
+  const auto& settings = scene.body.settings;
+  CHECK(settings.modulus == 2e5 && settings.internal_damping == 0.001);
+  const fmi2ValueReference modulus = reference_of(Family::youngs_modulus);
+  CHECK(scene.variables.name(modulus) == "youngs_modulus");
   for (const Family kind : {Family::stiffness_edge, Family::stiffness_face, Family::stiffness_body, Family::damping})
-    CHECK(variables.name(reference_of(kind)).find("value reference") == 0);
-  const fmi2ValueReference reference = reference_of(Family::youngs_modulus);
-  const double wanted = 3e5, none = 0;
-  variables.set(stepping, Type::Real, &reference, 1, &wanted);
-  CHECK(variables.apply(body.settings) && body.settings.modulus == 3e5);
-  CHECK(refusal([&] { variables.set(stepping, Type::Real, &reference, 1, &none); }) == "youngs_modulus: wanted > 0 Pa, got 0");
+    CHECK(scene.variables.name(reference_of(kind)).find("value reference") == 0);
+  scene.set(modulus, 3e5, Type::Real, stepping);
+  CHECK(scene.variables.apply(scene.body.settings) && settings.modulus == 3e5);
+  CHECK(refusal([&] { scene.set(modulus, 0, Type::Real, stepping); }) == "youngs_modulus: wanted > 0 Pa, got 0");
 }
 
 TEST(a_solid_has_poissons_ratio_and_what_its_probes_ask_for) {
   std::string records = "guid {g}\ncounts 4 4 4\nbasis patches\nmass";
   for (int p = 0; p < 64; ++p) records += " 1";
   records += "\nyoungs_modulus 2e5\npoissons_ratio 0.4\nprobe all 0.5 0.5 0.5\nprobe_outputs stress von_mises stretch\nprobe none 0 0 0\n";
-  const SceneFile file = parse_scene(small_scene::with_first_line(records));
-  SoftBody body(file.definition);
-  Variables variables(file, body.settings);
-  CHECK(variables.name(reference_of(Family::poissons_ratio)) == "poissons_ratio" && body.settings.poissons_ratio == 0.4);
-  CHECK(variables.name(reference_of(Family::probe_stress_xy)) == "probe.all.stress.xy");
-  CHECK(variables.name(reference_of(Family::probe_stretch, 1)).find("value reference") == 0);
-  variables.apply(body.settings);
-  body.initialize(0);
-  for (const Family family : {Family::probe_stress_xx, Family::probe_stress_yz, Family::probe_von_mises, Family::probe_stretch}) {
-    const fmi2ValueReference reference = reference_of(family);
-    double value = NAN;
-    variables.get(Type::Real, &reference, 1, &value, body, nullptr);
-    CHECK(std::abs(value - (family == Family::probe_stretch ? 1 : 0)) < 1e-9);
-  }
+  Scene scene(small_scene::with_first_line(records));
+  const auto& settings = scene.body.settings;
   const fmi2ValueReference ratio = reference_of(Family::poissons_ratio);
-  const double most = 0.495, more = 0.6;
-  variables.set(stepping, Type::Real, &ratio, 1, &most);
-  CHECK(variables.apply(body.settings) && body.settings.poissons_ratio == 0.495);
-  CHECK(refusal([&] { variables.set(stepping, Type::Real, &ratio, 1, &more); }) == "poissons_ratio: wanted <= 0.495, got 0.6");
+  CHECK(scene.variables.name(ratio) == "poissons_ratio" && settings.poissons_ratio == 0.4);
+  CHECK(scene.variables.name(reference_of(Family::probe_stress_xy)) == "probe.all.stress.xy");
+  CHECK(scene.variables.name(reference_of(Family::probe_stretch, 1)).find("value reference") == 0);
+  for (const Family family : {Family::probe_stress_xx, Family::probe_stress_yz, Family::probe_von_mises, Family::probe_stretch})
+    CHECK_NEAR(scene.get(reference_of(family)), family == Family::probe_stretch ? 1 : 0, 1e-9);
+  scene.set(ratio, 0.495, Type::Real, stepping);
+  CHECK(scene.variables.apply(scene.body.settings) && settings.poissons_ratio == 0.495);
+  CHECK(refusal([&] { scene.set(ratio, 0.6, Type::Real, stepping); }) == "poissons_ratio: wanted <= 0.495, got 0.6");
 }
 
 TEST(only_changes_of_the_material_ask_for_it_anew) {
@@ -267,11 +249,9 @@ TEST(only_changes_of_the_material_ask_for_it_anew) {
 }
 
 TEST(a_part_that_the_scene_has_not_has_no_variables) {
-  const SceneFile bare = parse_scene(small_scene::Box{.side = 2}.text(""));
-  SoftBody body(bare.definition);
-  const Variables variables(bare, body.settings);
+  const Scene bare(small_scene::Box{.side = 2}.text(""));
   for (const FamilyInfo& info : families) {
     const bool exists = info.part == Part::always || info.part == Part::stiffness || info.part == Part::positions;
-    CHECK((variables.name(reference_of(info.family)).find("value reference") != 0) == exists);
+    CHECK((bare.variables.name(reference_of(info.family)).find("value reference") != 0) == exists);
   }
 }

@@ -12,7 +12,7 @@ namespace whole_scene {
 
 using namespace softffd::fmi;
 
-/// A scene with every part but those that its stiffness leaves no place for, and boxes, which need a surface.
+/// A scene with every part but those that its stiffness leaves no place for, and boxes and sensors, which need a surface.
 inline const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiffness = 100, .initial = "1 1 1 0 0 0.5 1 0 0 0 0 0"}.text(
     "damping 0.05\ninternal_damping 0.001\ngravity 0 0 -9.81\ninitial_rotation 0 0 0\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 "
     "0.4\nplane lid input 0 0 9 0 0 "
@@ -33,12 +33,12 @@ inline const std::vector<FamilyInfo> present = [] {
 }();
 
 struct Scene {
-  SceneFile file = parse_scene(text);
+  SceneFile file;
   softffd::SoftBody body{file.definition};
   Variables variables{file, body.settings};
   softffd::ErrorEstimate estimate{file.definition};
 
-  Scene() {
+  explicit Scene(const std::string& of = text) : file(parse_scene(of)) {
     variables.apply(body.settings);
     body.initialize(0);
     estimate.initialize(body, 0);

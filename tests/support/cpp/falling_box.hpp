@@ -82,6 +82,11 @@ struct CheckedRun {
     exchange.planes.resize(scene.around.planes.size());
     exchange.pins.resize(scene.around.pins.size());
   }
+  /// At once, in steps of h over a time [s].
+  CheckedRun(FallingBox& scene, double h, double duration, bool sdirk2 = false) : CheckedRun(scene) {
+    this->sdirk2 = sdirk2;
+    CHECK(run(scene, h, duration));
+  }
 
   bool step(FallingBox& scene, double h) {
     for (auto* list : {&exchange.planes, &exchange.pins}) std::fill(list->begin(), list->end(), Impulse{});

@@ -75,16 +75,7 @@ inline void check_order(const char* name, Stepping run, const Claim& claim, cons
       CHECK(claim.shown(a.*part, b.*part) > claim.order - claim.less);
 }
 
-/// On smooth motions: free and damped, under forces that stay and that grow.
-inline void check_smooth_orders(Stepping run, const Claim& claim) {
-  for (const bool damped : {false, true})
-    for (const bool ramped : {false, true}) {
-      const Scene s = soft(damped, ramped);
-      const char* name = damped ? ramped ? "damped and ramped" : "damped" : ramped ? "ramped" : "free";
-      check_order(name, run, claim, s, reference(s));
-    }
-}
-
+/// On a motion that has everything: uneven damping, forces that grow, frames that pull.
 inline void check_order_with_moving_pins(Stepping run, const Claim& claim) {
   Scene s = soft(true, true);
   pin_ends(s, swinging);

@@ -20,40 +20,45 @@ class Callbacks(Structure):
     _fields_ = [("logger", Logger), ("allocate", Allocate), ("free", Free), ("finished", c_void_p), ("environment", c_void_p)]
 
 
-def opened(path: str) -> CDLL:
-    """The FMU's library with the signatures of the standard's header."""
-    library = CDLL(path)
-    for name, arguments in SIGNATURES.items():
-        getattr(library, f"fmi2{name}").argtypes = [c_void_p, *arguments]
-    library.fmi2Instantiate.argtypes = [c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int]
-    library.fmi2Instantiate.restype = c_void_p
-    library.fmi2FreeInstance.argtypes = [c_void_p]
-    library.fmi2FreeInstance.restype = None
-    return library
-
-
 class Fmu:
     """An unpacked FMU: its library, guid, resources and value references by name."""
 
-    standard, signatures = "fmi2", SIGNATURES
+    standard, signatures, platform = "fmi2", SIGNATURES, fmpy.platform
+    instantiation = ("Instantiate", [c_char_p, c_int, c_char_p, c_char_p, c_void_p, c_int, c_int])
     interpolates = True
     """Whether inputs take derivatives"""
 
     def __init__(self, scene: Scene, folder: Path, library: CDLL | None = None):
         folder.mkdir()
-        package = package_fmu(scene, folder / "box.fmu")
-        unpacked = folder / "fmu"
-        fmpy.extract(str(package), unzipdir=str(unpacked))
-        description = fmpy.read_model_description(str(package), validate=False)
-        self.path = str(next(unpacked.glob(f"binaries/{fmpy.platform}/softffd.*")))
-        self.library = library or opened(self.path)
-        self.guid, self.uri = description.guid.encode(), (unpacked / "resources").as_uri().encode()
-        self.names = {v.name: v.valueReference for v in description.modelVariables}
-        self.categories = {category.name.encode() for category in description.logCategories}
-        outputs = [v for v in description.modelVariables if v.causality == "output"]
+        self.package = package_fmu(scene, folder / "box.fmu", fmi=int(self.standard[-1]))
+        self.unpacked = folder / "fmu"
+        fmpy.extract(str(self.package), unzipdir=str(self.unpacked))
+        self.description = fmpy.read_model_description(str(self.package), validate=False)
+        self.path = str(next(self.unpacked.glob(f"binaries/{self.platform}/softffd.*")))
+        self.library = library or self.opened(self.path)
+        self.guid = self.description.guid.encode()
+        self.categories = {category.name.encode() for category in self.description.logCategories}
+        self.find_variables(scene)
+
+    @classmethod
+    def opened(cls, path: str) -> CDLL:
+        """The FMU's library with the signatures of the standard's header."""
+        library, (instantiate, arguments) = CDLL(path), cls.instantiation
+        others = {name: [c_void_p, *kinds] for name, kinds in cls.signatures.items()}
+        for name, kinds in (others | {instantiate: arguments, "FreeInstance": [c_void_p]}).items():
+            getattr(library, cls.standard + name).argtypes = kinds
+        getattr(library, cls.standard + instantiate).restype = c_void_p
+        getattr(library, f"{cls.standard}FreeInstance").restype = None
+        return library
+
+    def find_variables(self, scene: Scene) -> None:
+        described = self.description.modelVariables
+        self.uri = (self.unpacked / "resources").as_uri().encode()
+        self.names = {v.name: v.valueReference for v in described}
+        outputs = [v for v in described if v.causality == "output"]
         self.reals = [v.valueReference for v in outputs if v.type == "Real"]
         self.integers = [v.valueReference for v in outputs if v.type == "Integer"]
-        self.parameters = [v.valueReference for v in description.modelVariables if v.causality != "output" and v.type == "Real"]
+        self.parameters = [v.valueReference for v in described if v.causality != "output" and v.type == "Real"]
 
     def host(self, **options) -> "Host":
         return Host(self, **options)
@@ -93,7 +98,7 @@ class Host:
         self.messages.append((environment, instance, status, category, message))
 
     def __call__(self, function: str, *arguments) -> int:
-        return getattr(self.fmu.library, f"fmi2{function}")(self.component, *arguments)
+        return getattr(self.fmu.library, self.fmu.standard + function)(self.component, *arguments)
 
     def must(self, function: str, *arguments) -> None:
         status = self(function, *arguments)
@@ -178,7 +183,7 @@ class Host:
         assert not state.value
 
     def free(self) -> None:
-        self.fmu.library.fmi2FreeInstance(self.component)
+        getattr(self.fmu.library, f"{self.fmu.standard}FreeInstance")(self.component)
         self.component = None
 
 

@@ -1,15 +1,14 @@
 """The same host on the C functions of FMI 3.0. It speaks of variables by the names that they have in FMI 2.0, so that one schedule and one
 run serve both: what is an element of an array is put there, and the arrays that hold it are set as a whole."""
 
-from ctypes import CDLL, CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_void_p, create_string_buffer
-from pathlib import Path
+from ctypes import CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_void_p, create_string_buffer
 
 import fmpy
 import numpy as np
 
 from c_host import Fmu, Host, ints
 from signatures import COUNTS, REALS, SIGNATURES3
-from softffd import Scene, package_fmu
+from softffd import Scene
 from softffd.fmu.interface import elements
 from softffd.fmu.package import scene_masses
 from softffd.fmu.variables import variables
@@ -20,38 +19,19 @@ SPELLED = {"FMUstate": "FMUState", "DeSerialize": "Deserialize", "RealOutput": "
 """Functions' names of FMI 2.0 and those of FMI 3.0, where they differ"""
 
 
-def opened(path: str) -> CDLL:
-    """The FMU's library with the signatures of the standard's header."""
-    library = CDLL(path)
-    for name, arguments in SIGNATURES3.items():
-        getattr(library, f"fmi3{name}").argtypes = [c_void_p, *arguments]
-    library.fmi3InstantiateCoSimulation.argtypes = [
-        *(c_char_p, c_char_p, c_char_p, c_bool, c_bool, c_bool, c_bool, c_void_p, c_size_t, c_void_p, Logger, c_void_p),
-    ]
-    library.fmi3InstantiateCoSimulation.restype = c_void_p
-    library.fmi3FreeInstance.argtypes = [c_void_p]
-    library.fmi3FreeInstance.restype = None
-    return library
-
-
 class Fmu3(Fmu):
     """An unpacked FMU of FMI 3.0."""
 
-    standard, signatures = "fmi3", SIGNATURES3
+    standard, signatures, platform = "fmi3", SIGNATURES3, fmpy.platform_tuple
+    instantiation = (
+        "InstantiateCoSimulation",
+        [*(c_char_p, c_char_p, c_char_p, c_bool, c_bool, c_bool, c_bool, c_void_p, c_size_t, c_void_p, Logger, c_void_p)],
+    )
     interpolates = False
 
-    def __init__(self, scene: Scene, folder: Path, library: CDLL | None = None):
-        folder.mkdir()
-        package = package_fmu(scene, folder / "box.fmu", fmi=3)
-        unpacked = folder / "fmu"
-        fmpy.extract(str(package), unzipdir=str(unpacked))
-        description = fmpy.read_model_description(str(package), validate=False)
-        self.package, self.description = package, description
-        self.path = str(next(unpacked.glob(f"binaries/{fmpy.platform_tuple}/softffd.*")))
-        self.library = library or opened(self.path)
-        self.guid, self.resources = description.guid.encode(), f"{unpacked / 'resources'}/".encode()
-        self.categories = {category.name.encode() for category in description.logCategories}
-        self.arrays = {v.name: v for v in description.modelVariables}
+    def find_variables(self, scene: Scene) -> None:
+        self.resources = f"{self.unpacked / 'resources'}/".encode()
+        self.arrays = {v.name: v for v in self.description.modelVariables}
         self.shapes = {name: tuple(int(dimension.start) for dimension in v.dimensions) for name, v in self.arrays.items()}
         self._orders: dict[tuple[str, ...], np.ndarray] = {}
         self.names = self._places([each.name for variable in variables(scene, scene_masses(scene).mass) for each in elements(variable)])
@@ -116,7 +96,7 @@ class Host3(Host):
         if function == "DoStep" and len(arguments) == 3:
             self.flags = [c_bool(True) for _ in range(3)]
             arguments += (*map(byref, self.flags), byref(self.last))
-        return getattr(self.fmu.library, f"fmi3{function}")(self.component, *arguments)
+        return super().__call__(function, *arguments)
 
     def enter(self, start: float = 0.0, stop: float | None = None, tolerance: float | None = None) -> int:
         return self("EnterInitializationMode", tolerance is not None, tolerance or 0.0, start, stop is not None, stop or 0.0)
@@ -192,7 +172,3 @@ class Host3(Host):
         references, count = self.references(arrays)
         self.must("GetOutputDerivatives", references, count, ints([1] * count), values.ctypes.data_as(REALS), len(values))
         return self._in_order(self._apart(arrays, values)).tobytes()
-
-    def free(self) -> None:
-        self.fmu.library.fmi3FreeInstance(self.component)
-        self.component = None

@@ -45,26 +45,6 @@ def test_a_sphere_presses_below_its_centre_of_mass(body):
     assert vector(result, "plane.ground.centre")[-1] == pytest.approx([*middle[:2], 0.0], abs=1e-6)
 
 
-SOLIDS = {
-    "box": {"size": [6.0, 4.0, 1.0], "point": [0.3, -0.2, -0.5]},
-    "turned box": {"size": [6.0, 1.0, 4.0], "point": [0.3, -0.2, -0.5], "rotation": {"axis": [1, 0, 0], "degrees": 90.0}},
-    "cylinder": {"radius": 3.0, "length": 1.0, "point": [0.3, -0.2, -0.5]},
-}
-
-
-@pytest.mark.parametrize("solid", SOLIDS)
-def test_on_a_flat_face_of_a_solid_the_centre_is_on_it_and_where_it_is_on_a_plane(cube, solid):
-    kind = solid.split()[-1]
-    below = {}, {"plane": [], kind: [{"name": "ground", "friction": 0.5, **SOLIDS[solid]}]}
-    keys = {"method": "leapfrog", "damping": 4.0, "stop_time": 1.0}
-    on_plane, on_solid = (simulate(cube("surface", **keys, **each), start_values=PUSHED) for each in below)
-    presses = vector(on_solid, f"{kind}.ground.reaction")[:, 2] < 0
-    assert presses.sum() > 20
-    centre = vector(on_solid, f"{kind}.ground.centre")
-    assert np.abs(centre[presses, 2]).max() < 1e-9
-    assert np.abs(centre - vector(on_plane, "plane.ground.centre"))[presses].max() < 1e-6
-
-
 def test_on_a_ridge_the_centre_is_on_its_line(cube):
     """Of a cylinder that lies under a row of vertices."""
     log = {"name": "log", "radius": 0.5, "length": 3.0, "normal": [0.0, 1.0, 0.0], "point": [1 / 3, 0.5, -0.5]}

@@ -163,20 +163,20 @@ def test_a_plane_that_jumps_into_the_body_moves_points_without_giving_them_veloc
         stepper.step(5e-4)
         stepper.set({"plane.lift.point.z": 0.05})
         stepper.step(5e-4)
-        assert stepper.positions()[:16, 2] == pytest.approx(np.full(16, 0.05), abs=1e-15)
-        assert stepper.positions()[16:, 2].min() > 0.3
-        assert np.all(stepper.velocities() == 0)
+        assert stepper.points()[:16, 2] == pytest.approx(np.full(16, 0.05), abs=1e-15)
+        assert stepper.points()[16:, 2].min() > 0.3
+        assert np.all(stepper.point_velocities() == 0)
         assert np.all(stepper.vector("plane.lift.reaction") == 0)
 
 
 def test_a_jump_compresses_the_springs_which_then_push_back():
     h = 5e-4
     with Stepper(lifted(motion="input", **FREE)) as stepper:
-        jumped = stepper.positions()
+        jumped = stepper.points()
         jumped[:16, 2] = 0.05
         stepper.set({"plane.lift.point.z": 0.05})
         stepper.step(h)
-        x, v, reaction = stepper.positions(), stepper.velocities(), stepper.vector("plane.lift.reaction")
+        x, v, reaction = stepper.points(), stepper.point_velocities(), stepper.vector("plane.lift.reaction")
     model, share = reference.cube(stiffness=2e3, damping=0.05), 0.05 * 64 * h / 2
     before = 32 * h * model.spring_force(jumped)  # half a kick of leapfrog, then the next one where the points are now
     after = ((1 - share) * before + 64 * h * model.spring_force(x)) / (1 + share)
@@ -251,10 +251,10 @@ def test_a_press_crushes_the_box_without_penetration():
 def test_planes_that_close_completely_are_refused_and_leave_the_component_where_it_was():
     with Stepper(squeezed()) as stepper:
         stepper.step(0.01, times=199)
-        before = stepper.positions()
+        before = stepper.points()
         with pytest.raises(FmuError, match=r"at time 1\.99 s.*no feasible position"):
             stepper.step(0.05)
-        assert np.array_equal(stepper.positions(), before)
+        assert np.array_equal(stepper.points(), before)
 
 
 @pytest.mark.short("0")

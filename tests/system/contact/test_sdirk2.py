@@ -33,8 +33,8 @@ def pressed(step: float) -> tuple[np.ndarray, np.ndarray]:
             body.set({"load.push.z": begin})
             body.set_rates({"load.push.z": (end - begin) / H})
             body.step(H)
-            assert body.integer("plane.ground.contacts") == 16
-            rows.append((body.positions(), body.vector("plane.ground.reaction")))
+            assert body.number("plane.ground.contacts") == 16
+            rows.append((body.points(), body.vector("plane.ground.reaction")))
         assert body.methods() == [("sdirk2", "as set")]
     return np.array([x for x, _ in rows]), np.array([f for _, f in rows])
 
@@ -61,7 +61,7 @@ def test_an_overdamped_bar_creeps_exponentially(tau):
     time = tau / 4 * np.arange(1, 13)
     with Stepper(bar) as body:
         body.set({"load.pull.x": load})
-        ends = np.array([(body.step(tau / 4), body.positions()[1::2, 0] - 1)[1] for _ in time])
+        ends = np.array([(body.step(tau / 4), body.points()[1::2, 0] - 1)[1] for _ in time])
         assert body.methods() == [("sdirk2", "as set")]
     one, other = fast / (2 * m), slow / (2 * m)
     exact = load / 4 / k * (1 - (one * np.exp(other * time) - other * np.exp(one * time)) / (one - other))

@@ -13,6 +13,7 @@ BALL = {"name": "under", "radius": 1.0, "point": [0.5, 0.5, -1.0]}
 CRATE = {"name": "under", "size": [0.5, 0.4, 0.2], "point": [0.6, 0.5, -0.05]}
 CASES = {
     "surface": lambda body, _: body(bodies.sphere(2), plane=[GROUND], **FALLING),
+    "surface, with an error estimate": lambda body, _: body(bodies.sphere(2), plane=[GROUND], error_estimate=True, **FALLING),
     "damped": lambda _, rubber: rubber(bodies.sphere(2), plane=[GROUND], **FALLING),
     "on a sphere": lambda body, _: body(bodies.sphere(2), gravity=GRAVITY, sphere=[BALL]),
     "on a box": lambda body, _: body(bodies.sphere(2), gravity=GRAVITY, box=[CRATE]),

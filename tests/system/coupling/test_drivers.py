@@ -109,7 +109,7 @@ def test_the_impulse_of_the_actuators_force_is_of_second_order(drivers, tmp_path
                 body.set({"load.push.y": actuator.read("force.y")[0]})
                 for part in (actuator, body):
                     part.step(0.3 / steps)
-            momentum = body.velocities()[:, 1].sum() / 8
+            momentum = body.point_velocities()[:, 1].sum() / 8
         return abs(momentum - 3.0 * 0.8 / (2 * np.pi) * (1 - np.cos(2 * np.pi * 0.3 / 0.8)))
 
     assert orders([error(steps) for steps in (20, 40, 80)]) == pytest.approx([2, 2], abs=0.15)

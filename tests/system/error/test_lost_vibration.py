@@ -26,10 +26,10 @@ OMEGA = 8 * math.sqrt(1e4)
 
 def misses(body, step, count):
     """How far the points are from the exact motion after each step, (8, 3) [m]: centre + (1 + 0.01 cos(omega t)) (rest - centre)."""
-    rest = (body.positions() - 0.5 * (1 + STRETCH)) / (1 + STRETCH)
+    rest = (body.points() - 0.5 * (1 + STRETCH)) / (1 + STRETCH)
     for _ in range(count):
         body.step(step)
-        yield body.positions() - (0.5 * (1 + STRETCH) + (1 + STRETCH * math.cos(OMEGA * body.time)) * rest)
+        yield body.points() - (0.5 * (1 + STRETCH) + (1 + STRETCH * math.cos(OMEGA * body.time)) * rest)
 
 
 @pytest.mark.parametrize("method", ["leapfrog", "central_difference", "bm4", "rkn12", "dop853", "ros34pw2"])

@@ -96,7 +96,7 @@ def test_a_tolerance_given_at_setup_wins_over_the_parameter():
             stepper.restart(settings, stop_time=1.0, tolerance=setup)
             assert stepper.read("solver.tolerance")[0] == (setup or parameter)
             stepper.step(0.1, times=10)
-            ends[setup, parameter] = stepper.positions()
+            ends[setup, parameter] = stepper.points()
     assert np.array_equal(ends[1e-8, 1e-3], ends[None, 1e-8])
     assert np.array_equal(ends[1e-8, None], ends[None, 1e-8])
     assert not np.array_equal(ends[None, 1e-3], ends[None, 1e-8])
@@ -109,8 +109,8 @@ def test_a_given_step_is_taken_whatever_the_tolerance(method):
         for tolerance in (1e-1, 1e-12):
             stepper.restart({"solver.method": method, "solver.step": 1e-3, "solver.tolerance": tolerance}, stop_time=1.0)
             stepper.step(0.1, times=10)
-            assert stepper.integer("solver.steps") == 1000
-            ends.append(stepper.positions())
+            assert stepper.number("solver.steps") == 1000
+            ends.append(stepper.points())
     assert np.array_equal(*ends)
 
 
@@ -123,7 +123,7 @@ def test_a_longer_run_is_stepped_more_finely(method):
         for stop in (1.0, 10.0):
             stepper.restart({"solver.method": method, "solver.tolerance": 1e-4}, stop_time=stop)
             stepper.step(0.1, times=10)
-            steps.append(stepper.integer("solver.steps"))
+            steps.append(stepper.number("solver.steps"))
     assert steps[1] > 1.05 * steps[0]
 
 
@@ -137,7 +137,7 @@ def test_without_a_stop_time_a_run_is_as_long_as_the_scenes(start):
             for given in (start + stop, None):
                 stepper.restart({"solver.method": "leapfrog", "solver.tolerance": 1e-4}, start_time=start, stop_time=given)
                 stepper.step(0.125, times=8)
-                ends[stop, given is None] = stepper.positions()
+                ends[stop, given is None] = stepper.points()
         assert np.array_equal(ends[stop, False], ends[stop, True])
     assert not np.array_equal(ends[1.0, True], ends[10.0, True])
 
@@ -150,5 +150,5 @@ def test_the_length_of_a_run_counts_from_its_start(start):
         for begin in (0.0, start):
             stepper.restart({"solver.method": "leapfrog", "solver.tolerance": 1e-4}, start_time=begin, stop_time=begin + 1.0)
             stepper.step(0.125, times=8)
-            ends.append(stepper.positions())
+            ends.append(stepper.points())
     assert np.array_equal(*ends)

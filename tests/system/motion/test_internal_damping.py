@@ -52,10 +52,10 @@ def test_a_mode_decays_by_its_damping_ratio(method, points):
     period = 2 * np.pi / omega / np.sqrt(1 - ratio**2)
     weighted = scene_masses(scene).mass[:, None] * shape
     with Stepper(scene, start_values={"solver.method": method}, stop_time=3 * period) as stepper:
-        rest = stepper.positions()
+        rest = stepper.points()
         stepper.set_forces(AMPLITUDE * omega**2 * weighted)
         stepper.step(period, times=3)
-        amplitude = 1 - (weighted * (stepper.positions() - rest)).sum() / (weighted * shape).sum() / AMPLITUDE
+        amplitude = 1 - (weighted * (stepper.points() - rest)).sum() / (weighted * shape).sum() / AMPLITUDE
     assert -np.log(amplitude) / (3 * omega * period) == pytest.approx(ratio, rel=1e-3)
 
 
@@ -70,7 +70,7 @@ def test_a_thrown_and_spinning_body_is_not_braked(method, time):
     mass = scene_masses(scene).mass
 
     def moved(stepper) -> tuple[np.ndarray, np.ndarray, float]:
-        x, v = stepper.positions(), stepper.velocities()
+        x, v = stepper.points(), stepper.point_velocities()
         spin = (mass[:, None] * np.cross(x - mass @ x / mass.sum(), v)).sum(axis=0)
         return mass @ v, spin, stepper.energy()
 

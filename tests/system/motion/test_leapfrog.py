@@ -85,7 +85,7 @@ def test_central_difference_restarts_with_the_force_of_that_moment():
             stepper.set({"load.push.x": 2.0 * n})
             stepper.set_rates({"load.push.x": 10.0})
             stepper.step(0.2)
-        assert stepper.velocities()[:, 0].mean() == pytest.approx(0.5 * 10, abs=1e-8)  # of 10 t N on 1 kg
+        assert stepper.point_velocities()[:, 0].mean() == pytest.approx(0.5 * 10, abs=1e-8)  # of 10 t N on 1 kg
 
 
 def test_a_run_taken_back_by_the_reference_returns_to_its_start():
@@ -106,7 +106,7 @@ def test_a_million_steps_at_nine_tenths_of_the_bound_stay_bounded():
         for _ in range(200):
             stepper.step(5000 * step)
             totals.append(stepper.energy())
-        steps = stepper.integer("solver.steps")
+        steps = stepper.number("solver.steps")
     assert steps == 1_000_000  # none was shortened
     assert np.max(totals) < 1.1 * start  # the energy of the scheme's own motion differs by (h omega)^2
     assert np.min(totals) > 0.75 * start

@@ -127,11 +127,11 @@ def run(stepper, case, method, n, steps):
     for number in range(steps + 1):
         kept = stepper.energy("kinetic", "elastic", "gravity", "dissipated") - stepper.energy("work")
         pin = [stepper.vector(f"pin.hand.{what}") if "pin" in case else np.zeros(3) for what in ("reaction", "torque")]
-        rows.append((stepper.positions(), stepper.velocities(), kept, pin))
+        rows.append((stepper.points(), stepper.point_velocities(), kept, pin))
         if number < steps:
             drive(stepper, case, number * H)
             stepper.step(H)
-    assert stepper.integer("solver.steps") == steps * n, "the given step was divided"
+    assert stepper.number("solver.steps") == steps * n, "the given step was divided"
     return Course(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
@@ -149,7 +149,7 @@ def courses(request):
 
     yield course
     for stepper in steppers.values():
-        stepper.__exit__()
+        stepper.close()
 
 
 def rms(difference):

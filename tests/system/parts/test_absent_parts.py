@@ -48,6 +48,10 @@ PARTS = {
         {"solver"},
     ),
     "stiffness of a region": ({"region": [{"points": "z-", "stiffness": 5.0}]}, set(), {"region_stiffness"}),
+    "volume stiffness": ({"material.volume_stiffness": 9e3}, set(), {"volume_stiffness"}),
+    "matched inertia": ({"mass.inertia": "matched"}, set(), {"weight"}),
+    "one thread": ({"solver.threads": 1}, set(), set()),
+    "two threads": ({"solver.threads": 2}, set(), {"threads"}),
 }
 """Changes of the plain scene, the variables and the records that they bring."""
 

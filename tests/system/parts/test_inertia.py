@@ -8,7 +8,6 @@ from readings import imbalance, points, vector
 from scenes import GRAVITY, box
 from softffd import simulate
 from softffd.fmu.package import scene_masses
-from softffd.fmu.records import scene_records
 from softffd.scene.scene import scene_from
 
 G = -GRAVITY[2]
@@ -87,9 +86,3 @@ def test_another_mass_scales_masses_and_weights_alike():
     fall = box(gravity=GRAVITY, damping=0.0, stiffness=0.0, mass={"inertia": "matched"}, stop_time=0.1)
     one, other = (points(simulate(fall, start_values={"mass": mass})) for mass in (1.0, 3.0))
     np.testing.assert_allclose(other, one, rtol=0, atol=1e-14)
-
-
-def test_lumped_masses_leave_no_trace_of_weights():
-    assert "weight" not in scene_records(box(), scene_masses(box()))
-    matched = box(mass={"inertia": "matched"})
-    assert scene_records(matched, scene_masses(matched)).count("\nweight ") == 1

@@ -27,7 +27,7 @@ def excited(stepper, frequency, shape, steps):
     for n in range(1, steps + 1):
         stepper.step(7 * H)
         t = (on + 7 * n) * H
-        measured.append(stepper.positions() - reference.rest_lattice())
+        measured.append(stepper.points() - reference.rest_lattice())
         course = 0.5 * AMPLITUDE * (np.cos(discrete * (t - on * H)) - np.cos(discrete * t))
         expected.append(course * shape.reshape(-1, 3) / largest)
     return np.array(measured), np.array(expected)

@@ -130,10 +130,10 @@ def test_a_vibration_has_its_frequency_and_decays_by_tau_omega_squared_half(meth
             moved = to_flat(along_axes(to_grid(values, scene.lattice.points), to_nodes))
             return (weighted * moved).sum() / (weighted * shape).sum() / AMPLITUDE
 
-        rest = stepper.positions()
+        rest = stepper.points()
         stepper.set_forces(force)
         stepper.step(period, times=3)
-        left, speed = 1 - along(stepper.positions() - rest), along(stepper.velocities()) / omega
+        left, speed = 1 - along(stepper.points() - rest), along(stepper.point_velocities()) / omega
     assert left == pytest.approx(np.exp(-3 * ratio * omega * period), rel=DECAYS[method])
     assert speed == pytest.approx(0, abs=1e-2)
 

@@ -47,7 +47,7 @@ def test_free_flight_is_the_methods_and_contact_is_leapfrogs(method):
 def furthest():
     """How far the x+ side of the box gets that is let go of 10 % compression, at most in the first 20 ms [m]."""
     with Stepper(let_go("rkn12"), start_values={"solver.method": "leapfrog", "solver.step": 1e-5}) as stepper:
-        return float(max(stepper.step(1e-4) or stepper.positions()[:, 0].max() for _ in range(200)))
+        return float(max(stepper.step(1e-4) or stepper.points()[:, 0].max() for _ in range(200)))
 
 
 def beside_a_wall(furthest, deep):
@@ -66,9 +66,9 @@ def test_a_step_that_met_a_wall_is_taken_back_and_redone_to_the_bit(furthest, me
         for name in ("leapfrog", method):
             stepper.restart({"solver.method": name, "solver.step": 0.03})
             stepper.step(0.03)
-            ends.append([*stepper.outputs(), stepper.integer("solver.steps"), stepper.integer("solver.contacts_resolved")])
+            ends.append([*stepper.outputs(), stepper.number("solver.steps"), stepper.number("solver.contacts_resolved")])
         assert [words for words, _ in stepper.methods()] == ["leapfrog"]
-        assert stepper.integer("solver.rejected") > 0
+        assert stepper.number("solver.rejected") > 0
     assert ends[0] == ends[1]
     assert ends[0][-1] > 0
 
@@ -82,8 +82,8 @@ def test_a_wall_that_is_met_for_a_moment_is_not_passed(furthest, method, deep):
         for settings in ({"solver.method": "leapfrog", "solver.step": 1e-6}, {"solver.method": method, "solver.tolerance": 1e-4}):
             stepper.restart(settings)
             stepper.step(0.03)
-            ends.append(stepper.positions())
-            assert stepper.integer("solver.contacts_resolved") > 0
+            ends.append(stepper.points())
+            assert stepper.number("solver.contacts_resolved") > 0
         assert stepper.methods() == [CONTACT]
     assert np.abs(ends[0] - ends[1]).max() < 1e-3
 
@@ -105,9 +105,9 @@ def test_a_plane_from_far_away_is_met_within_one_communication_step(method, spee
         stepper.set({"plane.ram.velocity.x": speed})
         stepper.set_rates({"plane.ram.velocity.x": slowing})
         stepper.step(0.1)
-        assert stepper.positions()[:, 0].min() >= place - 1e-12
-        assert (stepper.integer("solver.contacts_resolved") > 0) == hits
-        assert (stepper.velocities()[:, 0].mean() > 1.0) == hits  # m/s: it was thrown or pushed
+        assert stepper.points()[:, 0].min() >= place - 1e-12
+        assert (stepper.number("solver.contacts_resolved") > 0) == hits
+        assert (stepper.point_velocities()[:, 0].mean() > 1.0) == hits  # m/s: it was thrown or pushed
         assert (CONTACT in stepper.methods()) == hits
 
 
@@ -129,7 +129,7 @@ def test_a_clipped_step_does_not_shrink_the_next_one(method, tolerance):
                 stepper.step(0.007)
                 if sliver:
                     stepper.step(sliver)
-            steps.append(stepper.integer("solver.steps") + stepper.integer("solver.rejected"))
+            steps.append(stepper.number("solver.steps") + stepper.number("solver.rejected"))
     plain, with_slivers = steps
     assert with_slivers <= 1.03 * plain + 50 + 5
 
@@ -142,7 +142,7 @@ def work(stepper):
     done, total = 0, 0.0
     for _ in range(10):
         stepper.step(0.1)
-        steps = stepper.integer("solver.steps") + stepper.integer("solver.rejected")
+        steps = stepper.number("solver.steps") + stepper.number("solver.rejected")
         total += WORK[stepper.methods()[-1][0]] * (steps - done)
         done = steps
     return total

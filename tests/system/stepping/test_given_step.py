@@ -35,7 +35,7 @@ def test_a_divided_step_follows_a_body_that_stiffens_within_it():
         with Stepper(box(**PULLED, step=step)) as body:
             body.set({"load.push.x": 1e4})
             body.step(0.16, times=5)
-            ends[step] = body.positions()[:, 0].max()
+            ends[step] = body.points()[:, 0].max()
     assert ends[1e-4] > 1.3
     assert ends[0.02] == pytest.approx(ends[1e-4], rel=5e-3)  # 2.1e-3: that of the shorter step is nearer to the limit
     assert ends[0.16] == pytest.approx(ends[1e-4], rel=0.04)  # 2.3e-2: one step of 0.16 s is divided anew only as often as it must be

@@ -17,7 +17,7 @@ def bounced(most_work, **keys):
     scene = box(gravity=GRAVITY, damping=0.01, plane=PLATE, solver={"most_work": most_work}, **keys)
     with Stepper(scene, start_values={"plane.plate.velocity.z": 1.0}) as body:
         body.step(0.05, times=2)
-        return body.positions(), " ".join(body.messages)
+        return body.points(), " ".join(body.messages)
 
 
 @pytest.mark.parametrize("method", ["auto", "leapfrog", "dop853", "ros34pw2", "backward_euler", "sdirk2"])
@@ -26,10 +26,10 @@ def test_a_call_that_needs_more_is_discarded_and_says_where(method):
     pulled = box(stiffness=1e5, stretch=[1.1, 1.0, 1.0], angular_velocity=[0.0, 30.0, 0.0], method=method, solver={"most_work": most})
     with Stepper(pulled) as body:
         body.step(1e-4)
-        before = body.positions()
+        before = body.points()
         with pytest.raises(FmuError, match=rf"at time 0.0001 s: a communication step of 1 s needs more work than .*most_work = {most}"):
             body.step(1.0)
-        assert np.array_equal(body.positions(), before)
+        assert np.array_equal(body.points(), before)
 
 
 def test_a_step_whose_work_is_not_foreseen_says_when_it_was_spent():

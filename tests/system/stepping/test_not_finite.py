@@ -27,8 +27,8 @@ def crush(body, steps=range(4)):
 def test_given_steps_too_long_to_have_a_result_are_divided_with_a_warning():
     with Stepper(under_press(H / 8)) as body:
         crush(body)
-        assert np.isfinite(body.positions()).all()
-        assert body.positions()[:, 2].min() >= -1e-12 and body.positions()[:, 2].max() <= 0.5 + 1e-12
+        assert np.isfinite(body.points()).all()
+        assert body.points()[:, 2].min() >= -1e-12 and body.points()[:, 2].max() <= 0.5 + 1e-12
         (warning,) = body.said("no finite result")
         assert f"no finite result with internal steps of {H / 8:.9g} s" in warning
 
@@ -41,7 +41,7 @@ def test_a_saved_run_divides_them_again():
         for _ in range(2):
             body.restore(before)
             crush(body, range(2, 4))
-            ends.append(body.positions())
+            ends.append(body.points())
         assert np.array_equal(*ends)
         assert len(body.said("no finite result")) == 1
 
@@ -54,14 +54,14 @@ def test_what_no_step_can_follow_is_refused_by_name_and_changes_nothing(method, 
     pushed = box(stiffness=1e3, stretch=[1.1, 1.0, 1.0], load=[{"name": "push", "points": [[0, 0, 0]]}])
     with Stepper(pushed, start_values={"solver.method": method, "solver.step": step}) as body:
         body.step(0.01)
-        before, state = body.positions(), body.save()
+        before, state = body.points(), body.save()
         body.set({"load.push.x": 1e308})
         with pytest.raises(FmuError, match="not finite, not even with smaller internal steps" + "|most_work" * (step == 0)):
             body.step(10.0)
-        assert np.array_equal(body.positions(), before)
+        assert np.array_equal(body.points(), before)
         body.restore(state)
         body.step(0.01)
-        assert np.isfinite(body.positions()).all()
+        assert np.isfinite(body.points()).all()
 
 
 def test_outputs_after_a_discarded_step_are_those_of_the_values_before():
@@ -96,8 +96,8 @@ def test_a_reaction_too_large_for_a_number_discards_the_step():
 @pytest.mark.parametrize("speed", [1e200, 1e300])
 def test_a_plane_that_goes_beyond_all_numbers_is_refused(speed):
     with Stepper(box(stiffness=10.0, plane=table_and_press())) as body:
-        before = body.positions()
+        before = body.points()
         body.set({"plane.press.velocity.z": -speed})
         with pytest.raises(FmuError):
             body.step(H)
-        assert np.array_equal(body.positions(), before)
+        assert np.array_equal(body.points(), before)

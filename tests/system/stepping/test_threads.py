@@ -9,8 +9,6 @@ import pytest
 
 from scenes import box
 from softffd import Simulation
-from softffd.fmu.package import scene_masses
-from softffd.fmu.records import scene_records
 
 TASKS = Path("/proc/self/task")
 SIDES = [12, 12, 12]
@@ -88,13 +86,6 @@ def test_a_lattice_with_too_little_work_says_so():
     assert said(2, [4, 4, 4]) == ["solver.threads = 2: a lattice of 64 control points uses 1 thread"]
     assert said(10, SIDES) == ["solver.threads = 10: a lattice of 1728 control points uses 3 threads"]
     assert said(3, SIDES) == said(1, SIDES) == []
-
-
-def test_one_thread_leaves_no_trace_in_an_fmu():
-    masses = scene_masses(box())
-    plain, asked = scene_records(box(), masses), scene_records(box(solver={"threads": 1}), masses)
-    assert plain == asked and "threads" not in plain
-    assert scene_records(box(solver={"threads": 2}), masses) == plain + "threads 2\n"
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="for systems that fork")

@@ -35,7 +35,7 @@ def push(stepper, newton):
 
 
 def angular_momentum(stepper, mass):
-    x, v = stepper.positions(), stepper.velocities()
+    x, v = stepper.points(), stepper.point_velocities()
     centre, velocity = mass @ x / mass.sum(), mass @ v / mass.sum()
     return mass @ np.cross(x - centre, v - velocity)
 
@@ -57,7 +57,7 @@ def explicit():
             with Stepper(thrown(damping=damping), start_values={"solver.method": "leapfrog", "solver.step": 2e-6}) as stepper:
                 push(stepper, newton)
                 stepper.step(0.1, times=2)
-                known[damping, newton] = stepper.positions()
+                known[damping, newton] = stepper.points()
         return known[damping, newton]
 
     return run
@@ -72,7 +72,7 @@ def test_the_motion_is_that_of_explicit_steps(explicit, step, damping, newton, t
     with Stepper(thrown(damping=damping), start_values={"solver.tolerance": tolerance}, stop_time=0.2) as stepper:
         push(stepper, newton)
         stepper.step(step, times=round(0.2 / step))
-        error = np.abs(stepper.positions() - explicit(damping, newton)).max()
+        error = np.abs(stepper.points() - explicit(damping, newton)).max()
         assert stepper.methods() == IN_FLIGHT or step == 1e-3
     assert error < tolerance
 
@@ -81,11 +81,11 @@ def test_a_turning_drop_flies_in_long_steps_and_strikes_in_explicit_ones():
     with Stepper(thrown(stiffness=1e9, planes=[GROUND])) as stepper:
         stepper.step(0.01, times=35)
         assert stepper.methods() == [ABOVE_GROUND]
-        assert stepper.integer("solver.steps") == 35
+        assert stepper.number("solver.steps") == 35
         while len(stepper.methods()) == 1:
             stepper.step(0.01)
         assert stepper.methods()[1] == ("leapfrog", "a stiff body hits an obstacle, or vibrates on one")
-        assert stepper.positions()[:, 2].min() >= 0
+        assert stepper.points()[:, 2].min() >= 0
 
 
 def test_the_spin_is_kept_until_a_point_touches():
@@ -93,7 +93,7 @@ def test_the_spin_is_kept_until_a_point_touches():
     with Stepper(thrown(planes=[GROUND])) as stepper:
         before = angular_momentum(stepper, masses())
         while True:
-            lowest, after = stepper.positions()[:, 2].min(), angular_momentum(stepper, masses())
+            lowest, after = stepper.points()[:, 2].min(), angular_momentum(stepper, masses())
             stepper.step(0.02)
             if stepper.read("plane.ground.reaction.z")[0] != 0:
                 break
@@ -127,7 +127,7 @@ def test_work_of_a_growing_load_is_in_the_balance():
 
 
 def state_of(stepper):
-    return np.concatenate([stepper.positions().ravel(), stepper.velocities().ravel(), stepper.outputs()]).tolist()
+    return np.concatenate([stepper.points().ravel(), stepper.point_velocities().ravel(), stepper.outputs()]).tolist()
 
 
 def test_a_flight_goes_on_from_a_saved_state_with_the_same_bits():

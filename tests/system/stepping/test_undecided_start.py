@@ -22,13 +22,13 @@ def test_with_a_given_step_it_runs_and_is_warned_of_once():
     with start([1.0, 1.0, 0.0], step=1e-4) as body:
         body.step(0.01, times=3)
         assert len(body.said("springs have zero length")) == 1
-        assert abs(body.positions()[:, 2]).max() == 0.0
+        assert abs(body.points()[:, 2]).max() == 0.0
 
 
 def test_where_nothing_moves_nothing_is_to_be_decided():
     with start([0.0, 0.0, 0.0]) as body:
         body.step(0.1)
-        assert abs(body.positions()).max() == 0.0
+        assert abs(body.points()).max() == 0.0
 
 
 @pytest.mark.parametrize("stretch", [[1.0, 1.0, 1e-6], [1.0, 1.0, -1.0]])

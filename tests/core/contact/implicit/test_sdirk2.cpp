@@ -17,9 +17,7 @@ FallingBox damped(double k, double tau, double friction) {
 Points sagged(int steps) {
   FallingBox scene = damped(2e3, 2e-3, 0.2);
   scene.throw_at({1, 0, 0}, Vec3::Zero());
-  CheckedRun run(scene);
-  run.sdirk2 = true;
-  CHECK(run.run(scene, 0.1 / steps, 0.1));
+  CheckedRun run(scene, 0.1 / steps, 0.1, true);
   return scene.state.x;
 }
 
@@ -38,25 +36,19 @@ TEST(sdirk2_is_of_second_order_on_a_smooth_stretch_of_contact_and_balances_momen
 
 TEST(sdirk2_is_exact_in_a_fall_and_in_sliding_and_keeps_rest_and_what_sticks) {
   FallingBox falling(1e6, 0);
-  CheckedRun fall(falling);
-  fall.sdirk2 = true;
-  CHECK(fall.run(falling, 0.05, 0.5));
+  CheckedRun fall(falling, 0.05, 0.5, true);
   CHECK_NEAR(falling.state.x(0, 2), -0.5 * g * 0.25, 1e-12);
 
   FallingBox sliding = damped(1e8, 1e-3, 0.3);
   sliding.throw_at({2, 0, 0}, Vec3::Zero());
-  CheckedRun slide(sliding);
-  slide.sdirk2 = true;
-  CHECK(slide.run(sliding, 0.01, 0.4));
+  CheckedRun slide(sliding, 0.01, 0.4, true);
   CHECK_NEAR(FallingBox::mean(sliding.state.v).x(), 2 - 0.3 * g * 0.4, 1e-4);
   CHECK_NEAR(slide.force(0, 0.01).z(), -g, 1e-3);
   CHECK_NEAR(slide.force(0, 0.01).x(), 0.3 * g, 1e-3);
 
   FallingBox sticking = damped(1e8, 1e-3, 0.4);
   sticking.incline(20);
-  CheckedRun stick(sticking);
-  stick.sdirk2 = true;
-  CHECK(stick.run(sticking, 0.01, 0.5));
+  CheckedRun stick(sticking, 0.01, 0.5, true);
   const double there = FallingBox::mean(sticking.state.x).x();
   CHECK(stick.run(sticking, 0.01, 1));
   CHECK_NEAR(FallingBox::mean(sticking.state.x).x(), there, 1e-9);

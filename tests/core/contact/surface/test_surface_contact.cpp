@@ -5,41 +5,6 @@ using namespace softffd;
 
 namespace {
 
-/// Positions of a sphere that falls askew onto the ground with friction, after 0.2 s of steps of h.
-Points landed(double h, double friction) {
-  SoftBody body =
-      Sphere{.level = 3, .height = 0.1, .damping = 0.1, .friction = friction, .velocity = {1, 0.3, 0}}.body(Vec3(0.4, 1.3, 0.7));
-  body.settings.step = h;
-  body.initialize(0);
-  go(body, 10, 0.02);
-  return body.state().x;
-}
-
-}  // namespace
-
-TEST(a_landing_with_friction_is_of_second_order) {
-  for (const double friction : {0.0, 0.4}) {
-    const Points reference = landed(5e-6, friction);
-    const double coarse = distance(landed(2e-4, friction), reference), fine = distance(landed(5e-5, friction), reference);
-    CHECK(std::log2(coarse / fine) / 2 > 1.8);
-  }
-}
-
-TEST(what_sticks_does_not_creep) {
-  SoftBody body = cube(1, 2e3);
-  body.settings.gravity = inclined(14.9);
-  body.settings.damping = 0.3;
-  body.settings.step = 1e-3;
-  body.settings.planes[0].friction = 0.4;
-  body.initialize(0);
-  go(body, 200, 0.1);
-  const Points before = body.state().x;
-  go(body, 50, 0.1);
-  CHECK(distance(body.state().x, before) < 1e-9);
-}
-
-namespace {
-
 /// A sphere that is let go of 0.05 above where a rigid one would rest in a groove of so many degrees along y.
 SoftBody in_groove(double degrees, double friction, double h) {
   const double half = 0.5 * degrees * 3.14159265358979323846 / 180, rigid = 0.4 / std::sin(half);
