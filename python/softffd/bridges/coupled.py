@@ -9,6 +9,7 @@ the tolerance leaves.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Protocol
 
@@ -74,7 +75,7 @@ class Bridge:
 
     parts: of each soft body. step: communication step [s] of the soft bodies, a multiple or a whole fraction of the engine's; the bridge's
     is the longer of the two. tolerance: difference of the wrenches of a step, relative to the largest, at which it is kept, > 0.
-    trials: of a step at most, >= 1; the last one is kept.
+    trials: of a step at most, >= 1; the last one is kept, and the first step that the tolerance is not met in gives a warning.
     """
 
     def __init__(self, engine: Engine, parts: Mapping[Simulation, Sequence[Part]], step: float, tolerance: float, trials: int):
@@ -90,6 +91,7 @@ class Bridge:
         self._poses, self._wrenches, self._time = self._reached(), np.zeros((len(self._all), 6)), engine.time
         self.length = step * self._shorter
         """Of a step [s]"""
+        self._told = False
         self.trials, self.residual = 0, 0.0
         """Of the last step: how often it was tried, and the difference of wrenches that was left, relative to the largest"""
 
@@ -110,6 +112,8 @@ class Bridge:
                 self.trials, self.residual = trial + 1, abs(misses[-1]).max(initial=0) / (abs(answers[-1]).max(initial=0) or 1)
                 if self.residual <= self.tolerance:
                     break
+            else:
+                self._tell()
             self.engine.restore(before[0])
             self._advance(answers[-1])
         except BaseException:
@@ -128,6 +132,13 @@ class Bridge:
         for simulation, each in zip(self.parts, states, strict=True):
             simulation.restore(each)
         self._time = self.engine.time
+
+    def _tell(self) -> None:
+        """Once, that trials did not do; one alone is asked for where they need not."""
+        if self.most > 1 and not self._told:
+            text = f"of the largest wrench the step at {self._time:g} s leaves {self.residual:.2g} after {self.most} trials"
+            warnings.warn(f"{text}: take a shorter step, or more trials; bridge.residual has that of each step", stacklevel=3)
+            self._told = True
 
     def _reached(self) -> np.ndarray:
         return np.array([self.engine.pose(part.body) @ part.at for part in self._all]).reshape(-1, 4, 4)

@@ -184,5 +184,6 @@ def _cells(cells: Cells, ends: tuple[float, float]) -> str:
 
 
 def text(values: ArrayLike, kind: str) -> str:
-    """An array as a page holds it."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
+    """An array as a page holds it, whose numbers may be too large for it: infinite there."""
+    with np.errstate(over="ignore"):
+        return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")

@@ -72,6 +72,7 @@ PLANES = {"plane": [{"name": "ground", "friction": 0.3}, {"name": "wall", "point
 BALL = {"plane": [{"name": "ground"}], "sphere": [{"name": "ball", "point": [0.05, 0.05, -0.2], "radius": 0.205, "friction": 0.3}]}
 
 
+@pytest.mark.short("points-leapfrog-plane", "points-central_difference-plane", "nodes-leapfrog-plane", "surface-leapfrog-plane+sphere")
 @pytest.mark.parametrize(
     "kind, method, obstacles",
     [
@@ -98,7 +99,7 @@ def test_the_taxels_sum_to_what_the_obstacles_feel(tmp_path, kind, method, obsta
 
 def test_a_scene_with_sensors_moves_as_one_without(tmp_path):
     plain, sensed = (
-        simulate(thrown(tmp_path, "surface", "auto", PLANES | {"sensor": each}), stop_time=0.2, step=0.01) for each in ([], [FOOT])
+        simulate(thrown(tmp_path, "surface", "auto", PLANES | {"sensor": each}), stop_time=0.06, step=0.01) for each in ([], [FOOT])
     )
     assert np.array_equal(plain.positions, sensed.positions)
 
@@ -137,6 +138,7 @@ LED = {"motion": "input", "inputs": ["point.z", "velocity.z"], "friction": 0.0}
 HELD = {"gravity": [0, 0, 0], "pin": [{"name": "base", "points": "z-"}], "ratio": 0.3, "internal_damping": 2e-3}
 
 
+@pytest.mark.full
 def test_a_tilted_plate_presses_where_the_taxels_feel_it(tmp_path):
     tilt = 0.03
     plate = {"name": "press", "point": [0.05, 0.05, 0.102], "normal": [math.sin(tilt), 0, -math.cos(tilt)], **LED}
