@@ -65,6 +65,7 @@ def test_a_sphere_is_pressed_into_a_solid_with_the_force_of_hertz_the_nearer_the
     assert max(fine) < 0.035  # of cells of 2.2 mm in a contact of 3.2 to 6.3 mm
 
 
+@pytest.mark.full
 def test_a_beam_of_a_solid_rolls_up_to_a_circle():
     found = errors(list(case("rolled up").rows(solid(0.0, 25, 4, 4))))
     assert found["deflection / L at half a turn"] == pytest.approx(0, abs=1.5)  # (h / L)2 of 1/400, some times
