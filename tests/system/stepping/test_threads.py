@@ -53,7 +53,7 @@ def test_threads_give_the_bits_of_one(method, parts):
 
 
 def tasks():
-    return len(list(TASKS.iterdir()))
+    return {task.name for task in TASKS.iterdir()}
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="counts the process's threads by Linux's table of them")
@@ -73,8 +73,8 @@ def test_there_are_the_threads_that_the_lattice_has_work_for_while_an_instance_l
     for _ in range(10):
         with Simulation(large(threads, points, **keys)) as one, Simulation(large(threads, points, **keys)):
             one.step()
-            assert tasks() == before + 2 * more
-    assert tasks() == before
+            assert len(tasks() - before) == 2 * more  # threads of tests before this one may end meanwhile
+    assert not tasks() - before
 
 
 def test_a_lattice_with_too_little_work_says_so():
