@@ -8,7 +8,7 @@
 #include "forces/regions.hpp"
 #include "model/pin.hpp"
 #include "model/run.hpp"
-#include "model/sensed.hpp"
+#include "watch/sensed.hpp"
 
 namespace softffd {
 

@@ -1,5 +1,7 @@
 """The one way a file is written: it appears whole, or what stood there before stays."""
 
+import csv
+import io
 import os
 import secrets
 import shutil
@@ -54,6 +56,13 @@ def write_bytes(path: str | Path, content: bytes) -> None:
 def write_text(path: str | Path, text: str) -> None:
     """Writes a whole file in UTF-8; line ends stay as they are."""
     write_bytes(path, text.encode())
+
+
+def table_text(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """A table as CSV, lines ended by a line feed; cells with commas stand between quotation marks."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([head, *rows])
+    return text.getvalue()
 
 
 def size_of(path: Path) -> int:

@@ -11,7 +11,7 @@
 #include "body/model.hpp"
 #include "forces/solid.hpp"
 #include "model/run.hpp"
-#include "model/sensed.hpp"
+#include "watch/sensed.hpp"
 
 namespace softffd {
 

@@ -49,11 +49,13 @@ Vec3 Sensors::area(int at, const Points& x) const {
 void Sensors::meet(const Plane& obstacle, double within, const Points& impulses, const State& motion) {
   touches_.clear();
   const double near = near_by * lattice_.cell().minCoeff();
+  const SolidPose pose = obstacle.pose_at(motion.time);
+  const HalfSpace whole = obstacle.at(motion.time);
   for (int at = 0; at < impulses.rows(); ++at) {
     const Vec3 here = place(at, motion.x), impulse = row(impulses, at);
     const bool pushed = !impulse.isZero(0);
     if (!pushed && !spread_) continue;
-    const HalfSpace plane = facing_half_space(obstacle, motion.time, here);
+    const HalfSpace plane = obstacle.solid() ? tangent(obstacle, pose, here) : whole;
     const double gap = plane.gap(here);
     if (!pushed && !(gap <= std::max(near, within))) continue;
     const double facing = -plane.normal.dot(area(at, motion.x)), least = least_facing * sensed_.areas[at].norm();

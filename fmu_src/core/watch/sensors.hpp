@@ -5,8 +5,8 @@
 
 #include "model/drive.hpp"
 #include "model/run.hpp"
-#include "model/sensed.hpp"
 #include "watch/load_spread.hpp"
+#include "watch/sensed.hpp"
 
 namespace softffd {
 

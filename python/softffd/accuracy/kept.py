@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import os
@@ -10,11 +9,10 @@ import platform
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from softffd.files import write_bytes
+from softffd.files import table_text, write_bytes
 
 
 def keep_files(folder: Path, files: Mapping[str, bytes | str]) -> None:
@@ -25,12 +23,8 @@ def keep_files(folder: Path, files: Mapping[str, bytes | str]) -> None:
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
-    """A table with a head; None is an empty cell."""
-    stream = StringIO()
-    writer = csv.DictWriter(stream, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({name: "" if value is None else value for name, value in row.items()} for row in rows)
-    return stream.getvalue()
+    """A table of rows by name as CSV; what is absent or None is an empty cell."""
+    return table_text(columns, ([row.get(name) for name in columns] for row in rows))  # csv leaves cells of None empty
 
 
 def json_text(document: Mapping[str, Any]) -> str:

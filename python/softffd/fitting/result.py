@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
 from dataclasses import dataclass
@@ -12,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from softffd.files import write_text
+from softffd.files import table_text, write_text
 from softffd.fitting.curve import Curve
 from softffd.fitting.picture import draw
 
@@ -101,13 +99,12 @@ class Fit:
         }  # fmt: skip
 
     def _as_csv(self) -> str:
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["test", self.curves[0].against, "measured", "fitted", "residual"])
-        for n, curve in enumerate(self.curves, 1):
-            for at, measured, fitted in zip(curve.at, curve.measured, curve.fitted, strict=True):
-                writer.writerow([n, *(f"{each:.17g}" for each in (at, measured, fitted, measured - fitted))])
-        return text.getvalue()
+        rows = (
+            [n, *(f"{each:.17g}" for each in (at, measured, fitted, measured - fitted))]
+            for n, curve in enumerate(self.curves, 1)
+            for at, measured, fitted in zip(curve.at, curve.measured, curve.fitted, strict=True)
+        )
+        return table_text(["test", self.curves[0].against, "measured", "fitted", "residual"], rows)
 
 
 FILES = ("fit.json", "fit.csv", "fit.png")

@@ -78,6 +78,16 @@ def of_another_machine(folder: Path, identifier: str) -> str | None:
     return None
 
 
+def library_in_tuple(folder: Path, identifier: str) -> str | None:
+    """The library of an unpacked FMU where FMI 3.0 puts it, and FMI 2.0.4 where the machine is not an x86; None where there is none."""
+    return next(map(str, folder.glob(f"binaries/{platforms()[1]}/{identifier}.*")), None)
+
+
+def on_x86() -> bool:
+    """Is this machine one of those that FMI 2.0 has names of its own for?"""
+    return platforms()[1].startswith("x86")
+
+
 def platforms() -> tuple[str, str]:
     """What FMI 2.0 and 3.0 call this machine."""
     import fmpy  # brings much along, which those who write an archive do without

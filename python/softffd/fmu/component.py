@@ -19,7 +19,7 @@ import numpy as np
 
 from softffd.errors import FmuError, UnknownName
 from softffd.fmu.absent import hint_for
-from softffd.fmu.archive import of_another_machine, platforms, unpack
+from softffd.fmu.archive import library_in_tuple, of_another_machine, on_x86, unpack
 from softffd.fmu.block import KINDS, Block, number_of
 from softffd.fmu.interface import ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
@@ -83,10 +83,9 @@ class Component:
     def _open(self, source: Scene | str | Path, running: bool) -> None:
         library = self._unpack(Path(source)) if isinstance(source, str | Path) else self._write(source)
         self.lattice: LatticeBox | None = read_lattice(Path(self._folder) / "resources")
-        """Of an FMU of this package"""
+        """Of an FMU of this package; so are these:"""
         self.obstacles = read_obstacles(Path(self._folder) / "resources")
         self.taxels = read_taxels(Path(self._folder) / "resources")
-        """Likewise"""
         if not running:
             return
         from fmpy.fmi2 import FMU2Slave  # takes a sixth of a second, which those who have a scene and run nothing do without
@@ -123,19 +122,15 @@ class Component:
             resources = Path(self._folder) / "resources"
             if description.fmiVersion.startswith("3.") and read_lattice(resources):
                 self.interface = read_interface(description, resources)
-                return library or self._library_in_tuple()
+                return library or library_in_tuple(Path(self._folder), self.interface.identifier)
             if description.coSimulation is None or description.fmiVersion != "2.0":
                 raise FmuError(f"{path}: wanted an FMI 2.0 co-simulation FMU, or one of this package for FMI 3.0")
             self.interface = read_interface(description, resources)
-            return library or (None if platforms()[1].startswith("x86") else self._library_in_tuple())
+            return library or (None if on_x86() else library_in_tuple(Path(self._folder), self.interface.identifier))
         except FmuError:
             raise
         except Exception as error:
             raise FmuError(f"{path}: cannot be opened as an FMU: {error}") from error
-
-    def _library_in_tuple(self) -> str | None:
-        """The library where FMI 3.0 puts it, and FMI 2.0.4 where the machine is not an x86; None where there is none."""
-        return next(map(str, Path(self._folder).glob(f"binaries/{platforms()[1]}/{self.interface.identifier}.*")), None)
 
     def _write(self, scene: Scene) -> str:
         """Writes a scene's FMU unpacked and returns the path of the library, which stays where it is installed."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Callable, Iterable
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
@@ -221,7 +222,15 @@ def _read(resources: Path) -> dict[str, Any] | None:
 def _lines(resources: Path) -> list[list[str]]:
     """The words of each record; none where the file is not of this package."""
     path = resources / NAME
-    text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+    if not path.is_file():
+        return []
+    about = path.stat()
+    return _words_of(path, about.st_mtime_ns, about.st_size)
+
+
+@lru_cache(maxsize=1)  # whoever opens an FMU asks for one thing after the other
+def _words_of(path: Path, changed: int, size: int) -> list[list[str]]:
+    text = path.read_text(encoding="utf-8", errors="replace")
     return [line.split() for line in text.splitlines() if line.strip()] if text.startswith(HEAD) else []
 
 

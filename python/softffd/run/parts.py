@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, overload
 
 import numpy as np
 
 from softffd.errors import FmuError, UnknownName
-from softffd.names import parse_name, vector_names
+from softffd.names import Cell, parse_name, variable_names, vector_names
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
+    from softffd.fmu.block import Block
     from softffd.fmu.component import Component
     from softffd.fmu.interface import ScalarVariable
 
@@ -21,11 +22,13 @@ T = TypeVar("T")
 
 
 class Variables(Protocol):
-    """What reads and sets variables by name: a Simulation."""
+    """What reads and sets variables by name, those of a component: a Simulation."""
 
     def vector(self, name: str) -> np.ndarray: ...
     def number(self, name: str) -> float | int: ...
-    def cells(self, stem: str) -> np.ndarray: ...
+    def block(self, names: Iterable[str]) -> Block: ...
+    @property
+    def component(self) -> Component: ...
     def __setitem__(self, name: str, value: Any) -> None: ...
 
 
@@ -122,8 +125,13 @@ class Sensor(Part):
 
     @property
     def taxels(self) -> np.ndarray:
-        """(n, m, 3) N: the force on each taxel; they sum to `force`."""
-        return self.simulation.cells(f"{self.path}.taxel")
+        """(n, m, 3) N: the force on each taxel, a copy; they sum to `force`."""
+        name = self.path.partition(".")[2]
+        grid = next((grid for grid in self.simulation.component.taxels if grid.name == name), None)
+        if grid is None:
+            raise self._unknown("taxels")
+        cells = [Cell(name, i, j) for i, j in np.ndindex(*grid.counts)]
+        return self.simulation.block(variable_names("sensor_taxel", cells)).get().astype(float).reshape(*grid.counts, 3)
 
 
 class Parts(Mapping[str, T]):

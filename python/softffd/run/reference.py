@@ -8,14 +8,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
 
 import numpy as np
 
+from softffd.files import table_text
 from softffd.fmu.model_description import xml_text
 from softffd.names import structured, unit_of, variable_names
 from softffd.run.inputs import Inputs
@@ -57,7 +56,7 @@ def reference_files(scene: Scene, *, progress: Callable[[float, float], None] | 
     outputs, others = _outputs(result), _outputs(finer)
     errors = {name: float(np.abs(column - others[name]).max()) for name, column in outputs.items()}
     rows = [(name, unit_of(name), f"{error:.3g}") for name, error in errors.items()]
-    texts = {"results.csv": _csv(result.time, outputs), "errors.csv": _table(["name", "unit", "largest_difference"], rows)}
+    texts = {"results.csv": _csv(result.time, outputs), "errors.csv": table_text(["name", "unit", "largest_difference"], rows)}
     if inputs := _driven(scene, result):
         texts["inputs.csv"] = _csv(result.time, inputs)
     about = _about(scene, errors)
@@ -83,14 +82,7 @@ def _driven(scene: Scene, result: Result) -> dict[str, np.ndarray]:
 
 
 def _csv(time: np.ndarray, columns: Mapping[str, np.ndarray]) -> str:
-    return _table(["time", *columns], np.column_stack([time, *columns.values()]).tolist())
-
-
-def _table(head: list[str], rows: Iterable[Sequence[object]]) -> str:
-    """Names of control points have commas, and stand between quotation marks."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([head, *rows])
-    return text.getvalue()
+    return table_text(["time", *columns], np.column_stack([time, *columns.values()]).tolist())
 
 
 def _manifest(names: list[str]) -> str:

@@ -15,7 +15,7 @@ from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import Block, number_of, one_number
 from softffd.fmu.component import Component, Message
 from softffd.fmu.interface import ScalarVariable
-from softffd.names import OBSTACLES, Cell, components_in, flat_form, parse_name, part_names, parts_of, vectors_in
+from softffd.names import OBSTACLES, components_in, part_names, parts_of, vectors_in
 from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Sensor, Vectors
 
 if TYPE_CHECKING:
@@ -244,15 +244,6 @@ class Simulation:
         if name in self.variables:
             raise FmuError(f"{name}: wanted a vector, got a single number of that name")
         return self._block(name).get().astype(float)
-
-    def cells(self, stem: str) -> np.ndarray:
-        """Vectors (n, m, 3) of the cells of a grid, as of sensor.foot.taxel, a copy."""
-        found = {name: parse_name(name) for name in self.component.by_name if name.startswith((f"{stem}[", f"{flat_form(stem)}_"))}
-        grid = [(name, parsed.instance) for name, parsed in found.items() if parsed and isinstance(parsed.instance, Cell)]
-        if not grid:
-            raise UnknownName(f"{stem}[i,j]: the FMU has no such variables{self.component.hint(stem, self.variables)}")
-        sides = [max(index) + 1 for index in zip(*((cell.i, cell.j) for _, cell in grid), strict=True)]
-        return self.component.block([name for name, _ in grid]).get().astype(float).reshape(*sides, 3)
 
     def _components(self, name: str) -> list[str]:
         """The scalar variables that a name means: itself, or its components; of `stiffness` those of the kinds of springs."""

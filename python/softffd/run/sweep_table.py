@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from softffd.files import replacing, write_text
+from softffd.files import replacing, table_text, write_text
 from softffd.run.npz import UNREADABLE, damaged, read_arrays, write_arrays
 from softffd.run.result import Columns
 from softffd.run.sweep_plan import Index, Plan
@@ -115,13 +113,11 @@ class Sweep:
 
     def to_csv(self, file: str | Path) -> Path:
         """Writes a row for each run: values, outputs, and the words of what failed."""
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow([*self.values, *self.outputs, "failure"])
-        for index in np.ndindex(self.done.shape):
-            outputs = (f"{column[index]:.17g}" for column in self.outputs.values())
-            writer.writerow([*self._at(index).values(), *outputs, self.messages[index]])
-        write_text(file, text.getvalue())
+        rows = (
+            [*self._at(index).values(), *(f"{column[index]:.17g}" for column in self.outputs.values()), self.messages[index]]
+            for index in np.ndindex(self.done.shape)
+        )
+        write_text(file, table_text([*self.values, *self.outputs, "failure"], rows))
         return Path(file)
 
     def to_xarray(self) -> Any:

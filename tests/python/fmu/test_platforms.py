@@ -7,7 +7,7 @@ import pytest
 
 from softffd import FmuError, Simulation, installed, load_scene, package_fmu
 from softffd.cli.command import main
-from softffd.fmu import archive, component
+from softffd.fmu import archive
 
 ARM = ("linux64", "aarch64-linux")
 """What fmpy calls an ARM machine, of FMI 2.0 and of FMI 3.0"""
@@ -57,8 +57,7 @@ def test_the_build_says_who_will_not_find_the_library(libraries, tmp_path, monke
 def test_a_run_on_arm_takes_the_library_of_arm(libraries, tmp_path, monkeypatch, asked):
     """Named as an ARM machine, this one takes the library in aarch64-linux, which is its own here, and never that in linux64."""
     file = package_fmu(load_scene("press"), tmp_path / "press.fmu", platforms=asked)
-    for module in (archive, component):
-        monkeypatch.setattr(module, "platforms", lambda: ARM)
+    monkeypatch.setattr(archive, "platforms", lambda: ARM)
     monkeypatch.setattr(archive, "_installed", lambda: None)  # as if it came from another build
     with Simulation(file) as simulation:
         simulation.step(0.01)

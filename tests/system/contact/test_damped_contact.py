@@ -9,7 +9,7 @@ import pytest
 
 from readings import centre, imbalance, points, vector, velocities
 from scenes import GRAVITY, box, meshed
-from softffd import Scene, simulate
+from softffd import Scene, package_fmu, simulate
 from softffd.fmu.package import scene_masses
 from stepping import Stepper, require_same_continuation
 from validation import shapes as bodies
@@ -286,3 +286,12 @@ def test_auto_takes_implicit_steps(part, tmp_path):
 @PART
 def test_a_state_continues_with_the_same_bits(part, tmp_path):
     require_same_continuation(PARTS[part](tmp_path, communication_step=0.002))
+
+
+@pytest.mark.short("pinned on a belt", "surface")
+@PART
+def test_both_standards_run_it_with_the_same_bits(part, tmp_path):
+    scene = PARTS[part](tmp_path, communication_step=0.005, stop_time=0.05)
+    two, three = (simulate(package_fmu(scene, tmp_path / f"{fmi}.fmu", fmi=fmi)) for fmi in (2, 3))
+    np.testing.assert_array_equal(three.positions, two.positions)
+    np.testing.assert_array_equal(vector(three, "plane.ground.reaction"), vector(two, "plane.ground.reaction"))

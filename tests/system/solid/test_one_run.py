@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from scenes import GRAVITY, OBSERVED
-from softffd import FmuError, Simulation, simulate
+from softffd import FmuError, Simulation, package_fmu, simulate
 from solids import braked, solid
 from stepping import Stepper, require_same_continuation
 
@@ -47,6 +47,15 @@ def test_a_fixed_step_gives_the_same_bits_however_the_run_is_cut():
     scene = lively("held", method="leapfrog", step=2e-4)
     fine, coarse = (simulate(scene, step=length, start_values={"load.end.z": 3.0}) for length in (0.01, 0.05))
     assert np.array_equal(fine.positions[::5], coarse.positions)
+
+
+@pytest.mark.parametrize("name", ["falling damped", "held"])
+def test_fmi_3_gives_the_same_bits_as_fmi_2(name, tmp_path):
+    scene = lively(name)
+    packages = [package_fmu(scene, tmp_path / f"fmi{fmi}.fmu", fmi=fmi) for fmi in (2, 3)]
+    two, three = (simulate(package) for package in packages)
+    assert np.array_equal(two.positions, three.positions)
+    assert np.array_equal(two.positions, simulate(scene).positions)
 
 
 RUNS = """
