@@ -6,6 +6,7 @@
 
 #include "body/body.hpp"
 #include "forces/regions.hpp"
+#include "model/free_body.hpp"
 #include "model/pin.hpp"
 #include "model/run.hpp"
 #include "watch/sensed.hpp"
@@ -27,6 +28,7 @@ struct Definition {
   std::vector<double> weight;                     ///< what gravity pulls at, >= 0 [kg]; empty: the mass
   std::vector<Region> regions;                    ///< later ones win
   std::vector<PinDefinition> pins;
+  std::vector<FreeBody> free = {};  ///< obstacles first
   int planes = 0;
   bool solids = false;                          ///< the last of these are
   std::shared_ptr<const Samples> samples = {};  ///< of the surface, by which planes are met; null: by the control points

@@ -59,6 +59,12 @@ SoftBody::SoftBody(Definition definition)
   if (followed_ && followed_->every_step()) propagator_.follow(*followed_);
   if (!sensed.patches.empty())
     sensors_ = std::make_unique<Sensors>(sensed, definition_.lattice, surface_ ? definition_.samples.get() : nullptr);
+  for (const FreeBody& each : definition_.free) {
+    drive_.free.emplace_back(each, now_.path.motion.free, int(drive_.free.size()));
+    settings.free.push_back({.mass = each.mass});
+  }
+  for (const FreeMotion& each : drive_.free)
+    if (each.body().plane >= 0) drive_.planes[each.body().plane].own = &each;
   for (MarkedPoints* points : {&settings.force, &settings.force_rate, &settings.force_bend[0], &settings.force_bend[1]})
     points->change().setZero(n, 3);
   drive_.force.setZero(n, 3);
@@ -117,7 +123,7 @@ StepStatus SoftBody::refresh_drive() {
     plane.normal /= size;
     plane.normal_rate /= size;
     plane.since = plane.moved_by_input ? time : start_time_;
-    if (!plane.at(time).normal.allFinite()) return StepStatus::not_finite;  // a turn beyond all numbers
+    if (!plane.own && !plane.at(time).normal.allFinite()) return StepStatus::not_finite;  // a turn beyond all numbers
   }
   for (std::size_t a = 0; a < drive_.pins.size(); ++a) {
     const double size = Eigen::Map<const Eigen::Vector4d>(settings.pins[a].orientation.data()).stableNorm();
@@ -129,6 +135,7 @@ StepStatus SoftBody::refresh_drive() {
     pin.since = time;
   }
   refresh_forces();
+  refresh_free_bodies();
   drive_.since = time;
   return StepStatus::ok;
 }
@@ -147,6 +154,35 @@ void SoftBody::refresh_forces() {
   if (drive_.bent) drive_.force_bend = {*bend, *more_bend};
   drive_.even = !drive_.ramped;
   for (int axis = 0; axis < 3; ++axis) drive_.even = drive_.even && all_alike(drive_.force.col(axis));
+}
+
+void SoftBody::refresh_free_bodies() {
+  for (std::size_t k = 0; k < drive_.free.size(); ++k) {
+    const FreeLoad& load = settings.free[k];
+    drive_.free[k].load(load.mass, load.force + load.mass * settings.gravity, load.torque);
+  }
+}
+
+/// An obstacle where the scene has it, a pin's part as the object moves there.
+void SoftBody::start_free_bodies(const Vec3& centre) {
+  for (FreeMotion& each : drive_.free) {
+    const FreeBody& body = each.body();
+    FreeState& state = now_.path.motion.free[each.index()] = {.time = now_.path.motion.time};
+    Vec3 spin = definition_.angular_velocity;
+    if (body.plane >= 0) {
+      const PlaneMotion& start = settings.planes[body.plane];
+      state.position = start.point;
+      state.velocity = start.velocity;
+      state.orientation = start.box() ? quaternion(start.rotation) : swing_from_z(start.normal);
+      spin = start.angular_velocity;
+    } else {
+      state.position = drive_.pins[body.pin].position;
+      state.orientation = drive_.pins[body.pin].orientation;
+      state.velocity = definition_.velocity + spin.cross(state.position - centre);
+    }
+    if (body.guided()) state.velocity = body.guide.dot(state.velocity) * body.guide;
+    state.momentum = each.momentum(state, spin);
+  }
 }
 
 StepStatus SoftBody::clear_jumps(bool& moved) {
@@ -184,6 +220,7 @@ StepStatus SoftBody::initialize(double t0) {
   const Vec3 centre = definition_.spin_about_mass ? rigid_motion(model_.body.mass, motion.x, motion.v).centre : start_centre(definition_);
   for (int p = 0; p < model_.body.points(); ++p)
     set_row(motion.v, p, definition_.velocity + definition_.angular_velocity.cross(row(motion.x, p) - centre));
+  start_free_bodies(centre);
   motion.previous_h = 0;
   for (Points& forces : motion.holds) forces.setZero();
   motion.held_rows.forget();

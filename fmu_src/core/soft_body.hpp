@@ -39,6 +39,7 @@ struct Settings : Material {
   std::array<MarkedPoints, 2> force_bend;    ///< their second and third [N/s2, N/s3]
   std::vector<PlaneMotion> planes;
   std::vector<PinMotion> pins;
+  std::vector<FreeLoad> free;
 };
 
 class SoftBody {
@@ -58,6 +59,8 @@ class SoftBody {
   /// Control points, where the state has the nodes of a solid, as they are and move [m], [m/s]. Until the next step.
   const Points& positions() const { return shown(now_.path.motion.x, shown_positions_); }
   const Points& velocities() const { return shown(now_.path.motion.v, shown_velocities_); }
+  /// Of free body k [rad/s].
+  Vec3 angular_velocity(int k) const { return drive_.free[k].spin(state().free[k]); }
   /// A snapshot to read or copy.
   const Run& run() const { return now_; }
   /// Continues from a snapshot of the same definition. `settings` must be those of the snapshot's moment: the start time and all values
@@ -92,6 +95,8 @@ class SoftBody {
   void refresh_model();
   StepStatus refresh_drive();
   void refresh_forces();
+  void refresh_free_bodies();
+  void start_free_bodies(const Vec3& centre);
   StepStatus clear_jumps(bool& moved);
   void look_at_planes();  ///< who touches them, and where they are pressed
   bool place_pins(bool book);

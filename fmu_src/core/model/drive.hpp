@@ -21,6 +21,7 @@ struct PinnedPoint {
 struct Drive {
   std::vector<Plane> planes;
   std::vector<Pin> pins;
+  std::vector<FreeMotion> free;      ///< bodies, in the order of the state
   Points force;                      ///< gravity, loads and point forces at time `since` (points, 3) [N]
   Points force_rate;                 ///< their time derivative at `since` [N/s]; there only if `ramped`
   std::array<Points, 2> force_bend;  ///< second and third derivative [N/s2, N/s3]; there only if `bent`

@@ -48,6 +48,7 @@ HalfSpace Plane::at(double time) const {
 }
 
 SolidPose Plane::pose_at(double time) const {
+  if (own) return pose_of(own->at(time));
   const double age = time - since;
   const Vec3 here = point + age * (velocity + 0.5 * age * acceleration);
   const Vec3 speed = velocity + age * acceleration;
@@ -67,6 +68,13 @@ SolidPose Plane::pose_at(double time) const {
   return {{here, n, n.dot(here), speed, angular_velocity + age * angular_acceleration}, {}};
 }
 
+SolidPose Plane::pose_of(const FreeState& state) const {
+  const Eigen::Matrix3d edges = axes_of(state.orientation);
+  const Vec3 up = edges.col(2);
+  const double beyond = box() ? 0.5 * sides[2] : 0;
+  return {{state.position, up, up.dot(state.position) + beyond, state.velocity, own->spin(state)}, edges};
+}
+
 bool Plane::holds(const SolidPose& pose, const Vec3& x, double slack) const {
   const Vec3 arm = x - pose.point;
   if (box()) return ((pose.edges.transpose() * arm).cwiseAbs() - 0.5 * sides).maxCoeff() <= slack;
@@ -76,7 +84,7 @@ bool Plane::holds(const SolidPose& pose, const Vec3& x, double slack) const {
 }
 
 bool Plane::at_rest() const {
-  return velocity.isZero(0) && angular_velocity.isZero(0) && acceleration.isZero(0) && angular_acceleration.isZero(0) &&
+  return !own && velocity.isZero(0) && angular_velocity.isZero(0) && acceleration.isZero(0) && angular_acceleration.isZero(0) &&
          normal_rate.isZero(0) && rotation_rate.isZero(0);
 }
 

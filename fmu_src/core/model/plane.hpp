@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "machine/elementary.hpp"
+#include "model/free_body.hpp"
 #include "model/rotation.hpp"
 
 namespace softffd {
@@ -58,6 +59,8 @@ struct Plane : PlaneMotion {
   Vec3 facing =
       Vec3::Zero();  ///< of a solid for which a supporting half-space stands: its unit normal: of a box by its edges, of others at `since`
 
+  const FreeMotion* own = nullptr;  ///< that of a free body, in the place of all above
+
   /// Does a half-space stand for the solid that it holds (contact/surface/stand_ins.hpp)?
   bool stood_for() const { return !facing.isZero(0); }
   /// A solid that is met as itself.
@@ -65,6 +68,8 @@ struct Plane : PlaneMotion {
   /// The half-space, that which stands for a solid too.
   HalfSpace at(double time) const;
   SolidPose pose_at(double time) const;
+  /// Of the free body that it is.
+  SolidPose pose_of(const FreeState& state) const;
   /// Is x in the solid in this pose, or at most so far out of one of its faces [m]?
   bool holds(const SolidPose& pose, const Vec3& x, double slack) const;
   /// Is it the same at all times?

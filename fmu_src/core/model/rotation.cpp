@@ -59,6 +59,13 @@ std::array<double, 4> quaternion(const Vec3& w) {
   return {half.cosine, axis[0], axis[1], axis[2]};
 }
 
+std::array<double, 4> swing_from_z(const Vec3& direction) {
+  const Vec3 to = direction / std::sqrt(direction.squaredNorm());
+  const double w = std::sqrt(std::max(0.5 * (1 + to[2]), 0.0));  // half of the angle
+  if (w == 0) return {0, 1, 0, 0};
+  return {w, -0.5 * to[1] / w, 0.5 * to[0] / w, 0};
+}
+
 Vec3 rotated(const std::array<double, 4>& q, const Vec3& v) {
   const Vec3 u(q[1], q[2], q[3]);
   const Vec3 t = 2 * u.cross(v);

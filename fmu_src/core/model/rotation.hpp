@@ -24,6 +24,9 @@ Vec3 spin_of(const Vec3& w, const Vec3& rate);
 /// The unit quaternion (w, x, y, z) of the rotation vector w [rad].
 std::array<double, 4> quaternion(const Vec3& w);
 
+/// The same of the shortest turn from the third axis to a direction of any length but 0.
+std::array<double, 4> swing_from_z(const Vec3& direction);
+
 /// The vector v turned by the unit quaternion (w, x, y, z).
 Vec3 rotated(const std::array<double, 4>& quaternion, const Vec3& v);
 

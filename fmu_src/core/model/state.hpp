@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "model/free_body.hpp"
 #include "model/visit.hpp"
 
 namespace softffd {
@@ -37,10 +38,11 @@ struct State {
   double previous_h = 0;  ///< the step that `previous` belongs to; 0: none
   Holds holds;            ///< at the end of the last implicit step: what sticks by them need not move first; empty: none yet
   HeldRows held_rows;     ///< the same of samples of the surface, where the next implicit step begins to look
+  std::vector<FreeState> free;  ///< bodies, obstacles first
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.time, s.x, s.v, s.spring, s.previous, s.previous_h, s.holds, s.held_rows);
+    return fields(s.time, s.x, s.v, s.spring, s.previous, s.previous_h, s.holds, s.held_rows, s.free);
   }
 };
 static_assert(visits_every_field<State>);

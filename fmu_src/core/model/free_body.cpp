@@ -1,0 +1,121 @@
+#include "model/free_body.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace softffd {
+
+namespace {
+
+/// Turn in a part of a flight [rad]: the error of its orientation is 1e-10 of the angle.
+constexpr double longest_turn = 0.02;
+constexpr double most_parts = 10000;
+
+using Quaternion = Eigen::Vector4d;
+
+Quaternion rate_of(const Quaternion& q, const Vec3& spin) {
+  const Vec3 u = q.tail<3>();
+  Quaternion rate;
+  rate << -0.5 * spin.dot(u), 0.5 * (q[0] * spin + spin.cross(u));
+  return rate;
+}
+
+std::array<double, 4> unit(const Quaternion& q) {
+  const double size = std::sqrt(q.squaredNorm());
+  return {q[0] / size, q[1] / size, q[2] / size, q[3] / size};
+}
+
+}  // namespace
+
+std::array<double, 4> turned(const std::array<double, 4>& orientation, const Vec3& by) {
+  const std::array<double, 4> turn = quaternion(by);
+  const Vec3 a(turn[1], turn[2], turn[3]), b(orientation[1], orientation[2], orientation[3]);
+  Quaternion product;
+  product << turn[0] * orientation[0] - a.dot(b), turn[0] * b + orientation[0] * a + a.cross(b);
+  return unit(product);
+}
+
+Eigen::Matrix3d axes_of(const std::array<double, 4>& orientation) {
+  Eigen::Matrix3d axes;
+  for (int axis = 0; axis < 3; ++axis) axes.col(axis) = rotated(orientation, Vec3::Unit(axis));
+  return axes;
+}
+
+FreeMotion::FreeMotion(const FreeBody& body, const std::vector<FreeState>& states, int index)
+    : body_(body), states_(&states), index_(index), mass_(body.mass), inertia_(body.inertia) {}
+
+void FreeMotion::load(double mass, const Vec3& force, const Vec3& torque) {
+  mass_ = mass;
+  inertia_ = (mass / body_.mass) * body_.inertia;
+  force_ = force;
+  torque_ = torque;
+}
+
+Eigen::Matrix3d FreeMotion::inverse_mass() const {
+  if (body_.guided()) return body_.guide * body_.guide.transpose() / mass_;
+  return Eigen::Matrix3d::Identity() / mass_;
+}
+
+Eigen::Matrix3d FreeMotion::inverse_inertia(const FreeState& s) const {
+  if (body_.guided()) return Eigen::Matrix3d::Zero();
+  const Eigen::Matrix3d axes = axes_of(s.orientation);
+  return axes * inertia_.cwiseInverse().asDiagonal() * axes.transpose();
+}
+
+Vec3 FreeMotion::spin(const FreeState& s) const {
+  if (body_.guided()) return Vec3::Zero();
+  if (inertia_[0] == inertia_[1] && inertia_[1] == inertia_[2]) return s.momentum / inertia_[0];
+  return inverse_inertia(s) * s.momentum;
+}
+
+Vec3 FreeMotion::momentum(const FreeState& s, const Vec3& spin) const {
+  if (body_.guided()) return Vec3::Zero();
+  const Eigen::Matrix3d axes = axes_of(s.orientation);
+  return axes * (inertia_.asDiagonal() * (axes.transpose() * spin));
+}
+
+double FreeMotion::kinetic_energy(const FreeState& s) const {
+  return 0.5 * mass_ * s.velocity.squaredNorm() + 0.5 * s.momentum.dot(spin(s));
+}
+
+Twist FreeMotion::response(const FreeState& s, const Vec3& impulse, const Vec3& torque) const {
+  return {inverse_mass() * impulse, inverse_inertia(s) * torque};
+}
+
+void FreeMotion::push(FreeState& s, const Vec3& impulse, const Vec3& torque) const {
+  s.velocity += inverse_mass() * impulse;
+  if (!body_.guided()) s.momentum += torque;
+}
+
+/// The turn by the rule of Runge and Kutta of fourth order, in parts short against it.
+FreeState FreeMotion::flown(const FreeState& from, double time) const {
+  const double h = time - from.time;
+  FreeState to = from;
+  to.time = time;
+  const Vec3 acceleration = inverse_mass() * force_;
+  to.position += h * (from.velocity + 0.5 * h * acceleration);
+  to.velocity += h * acceleration;
+  if (body_.guided() || h == 0) return to;
+  to.momentum += h * torque_;
+  const double angle = std::abs(h) * std::max(spin(from).norm(), spin(to).norm());
+  if (angle == 0) return to;
+  const double parts = std::clamp(std::ceil(angle / longest_turn), 1.0, most_parts), part = h / parts;
+  Quaternion q = Eigen::Map<const Quaternion>(from.orientation.data());
+  FreeState here = from;
+  const auto slope = [&](double age, const Quaternion& at) {
+    here.orientation = unit(at);
+    here.momentum = from.momentum + age * torque_;
+    return rate_of(at, spin(here));
+  };
+  for (int i = 0; i < int(parts); ++i) {
+    const double age = i * part;
+    const Quaternion a = slope(age, q), b = slope(age + 0.5 * part, q + 0.5 * part * a);
+    const Quaternion c = slope(age + 0.5 * part, q + 0.5 * part * b), d = slope(age + part, q + part * c);
+    q += part / 6 * (a + 2 * b + 2 * c + d);
+  }
+  to.orientation = unit(q);
+  return to;
+}
+
+}  // namespace softffd
