@@ -21,6 +21,17 @@ std::vector<bool> pinned_points(const Definition& definition) {
   return pinned;
 }
 
+/// Those of free parts; none where there is no such part.
+std::vector<bool> yielding_points(const Definition& definition) {
+  std::vector<bool> yielding;
+  for (const FreeBody& part : definition.free) {
+    if (part.pin < 0) continue;
+    yielding.resize(definition.lattice.points(), false);
+    for (int p : definition.pins[part.pin].points) yielding[p] = true;
+  }
+  return yielding;
+}
+
 }  // namespace
 
 Vec3 start_centre(const Definition& definition) {
@@ -50,6 +61,7 @@ PinMotion start_pose(const Lattice& lattice, const Vec3& origin, const Vec3& rot
 Body make_body(const Definition& definition) {
   const int n = definition.lattice.points();
   Body body{.energies = {}, .mass = {}, .damping = {}, .pinned = pinned_points(definition)};
+  body.yielding = yielding_points(definition);
   if (definition.solid())
     body.energies.push_back(std::make_shared<Solid>(definition.lattice));
   else

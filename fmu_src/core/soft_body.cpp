@@ -64,7 +64,10 @@ SoftBody::SoftBody(Definition definition)
     settings.free.push_back({.mass = each.mass});
   }
   for (const FreeMotion& each : drive_.free)
-    if (each.body().plane >= 0) drive_.planes[each.body().plane].own = &each;
+    if (each.part())
+      drive_.pins[each.body().pin].own = &each;
+    else
+      drive_.planes[each.body().plane].own = &each;
   for (MarkedPoints* points : {&settings.force, &settings.force_rate, &settings.force_bend[0], &settings.force_bend[1]})
     points->change().setZero(n, 3);
   drive_.force.setZero(n, 3);
@@ -160,7 +163,19 @@ void SoftBody::refresh_free_bodies() {
   for (std::size_t k = 0; k < drive_.free.size(); ++k) {
     const FreeLoad& load = settings.free[k];
     drive_.free[k].follow(now_.path.motion.free);  // a soft body may have been moved
-    drive_.free[k].load(load.mass, load.force + load.mass * settings.gravity, load.torque);
+    std::vector<double> masses;
+    std::vector<Vec3> arms;
+    if (drive_.free[k].part()) {
+      const Pin& pin = drive_.pins[definition_.free[k].pin];
+      arms = pin.local;
+      for (const int p : pin.points) masses.push_back(model_.body.mass[p]);
+    }
+    FreeState& state = now_.path.motion.free[k];
+    const FreeState own = drive_.free[k].own(state);
+    const Vec3 spin = drive_.free[k].spin(state);
+    const double before = drive_.free[k].mass();
+    drive_.free[k].load(load.mass, load.force + load.mass * settings.gravity, load.torque, arms, masses);
+    if (drive_.free[k].mass() != before) state = drive_.free[k].whole(own, spin);
   }
 }
 
@@ -168,21 +183,21 @@ void SoftBody::refresh_free_bodies() {
 void SoftBody::start_free_bodies(const Vec3& centre) {
   for (FreeMotion& each : drive_.free) {
     const FreeBody& body = each.body();
-    FreeState& state = now_.path.motion.free[each.index()] = {.time = now_.path.motion.time};
+    FreeState own{.time = now_.path.motion.time};
     Vec3 spin = definition_.angular_velocity;
     if (body.plane >= 0) {
       const PlaneMotion& start = settings.planes[body.plane];
-      state.position = start.point;
-      state.velocity = start.velocity;
-      state.orientation = start.box() ? quaternion(start.rotation) : swing_from_z(start.normal);
+      own.position = start.point;
+      own.velocity = start.velocity;
+      own.orientation = start.box() ? quaternion(start.rotation) : swing_from_z(start.normal);
       spin = start.angular_velocity;
     } else {
-      state.position = drive_.pins[body.pin].position;
-      state.orientation = drive_.pins[body.pin].orientation;
-      state.velocity = definition_.velocity + spin.cross(state.position - centre);
+      const PinMotion& start = settings.pins[body.pin];
+      own.position = start.position;
+      own.orientation = drive_.pins[body.pin].orientation;
+      own.velocity = definition_.velocity + spin.cross(own.position - centre);
     }
-    if (body.guided()) state.velocity = body.guide.dot(state.velocity) * body.guide;
-    state.momentum = each.momentum(state, spin);
+    now_.path.motion.free[each.index()] = each.whole(own, spin);
   }
 }
 

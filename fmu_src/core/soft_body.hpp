@@ -59,7 +59,8 @@ class SoftBody {
   /// Control points, where the state has the nodes of a solid, as they are and move [m], [m/s]. Until the next step.
   const Points& positions() const { return shown(now_.path.motion.x, shown_positions_); }
   const Points& velocities() const { return shown(now_.path.motion.v, shown_velocities_); }
-  /// Of free body k [rad/s].
+  /// Where free body k is by its own centre and how it moves, and its angular velocity [rad/s].
+  FreeState free_body(int k) const { return drive_.free[k].own(state().free[k]); }
   Vec3 angular_velocity(int k) const { return drive_.free[k].spin(state().free[k]); }
   /// A snapshot to read or copy.
   const Run& run() const { return now_; }

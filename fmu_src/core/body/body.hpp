@@ -15,6 +15,7 @@ struct Body {
   Scalars mass;                                   ///< (points) [kg], > 0
   Scalars damping;                                ///< (points) [N s/m], >= 0
   std::vector<bool> pinned;                       ///< (points) moved by a pin, not by forces
+  std::vector<bool> yielding{};                   ///< (points) by a pin whose part is free; empty: none
   bool explicit_alone = false;                    ///< there are no matrices for its lattice (matrix/lattice_matrix.hpp)
   bool damped = false;                            ///< any damping > 0, of points or along springs
   double fastest_drag = 0;                        ///< the largest rate at which the points' damping changes velocities,
@@ -28,6 +29,18 @@ struct Body {
   /// Of the surface, by which obstacles are met; null: by the control points.
   std::shared_ptr<const Samples> samples{};
   int points() const { return int(mass.size()); }
+  /// (points) moved by a pin that does not yield.
+  std::vector<bool> prescribed() const {
+    std::vector<bool> held = pinned;
+    for (std::size_t p = 0; p < yielding.size(); ++p) held[p] = held[p] && !yielding[p];
+    return held;
+  }
+
+  /// Nothing moves, or acts on, points of a pin that does not yield.
+  void hold_prescribed(Points& values) const {
+    for (int p = 0; p < points(); ++p)
+      if (pinned[p] && (yielding.empty() || !yielding[p])) set_row(values, p, Vec3::Zero());
+  }
 
   /// f = forces of all energies on the points at x [N], (points, 3).
   void internal_force(const Points& x, Points& f) const {
@@ -64,7 +77,7 @@ struct Body {
   /// Bound of the rate at which damping changes velocities of points at x [1/s].
   double damping_rate_at(const Points& x) const {
     double rate = fastest_damping;
-    for (const auto& each : energies) rate = std::max(rate, fastest_drag + each->dashpot_rate(x, mass, pinned));
+    for (const auto& each : energies) rate = std::max(rate, fastest_drag + each->dashpot_rate(x, mass, prescribed()));
     return rate;
   }
   bool has_deformed(const Points& x, const Points& x0) const {

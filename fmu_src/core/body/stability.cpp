@@ -19,7 +19,7 @@ constexpr double bound_to_mean = 4.3, longest = 100;
 void Stability::prepare(const Body& body) {
   for (Scalars* bounds : {&any_.weighted, &any_.plain}) bounds->setZero(body.points());
   any_.exist = true;
-  for (const auto& each : body.energies) each->add_any_bounds(body.mass, body.pinned, any_);
+  for (const auto& each : body.energies) each->add_any_bounds(body.mass, body.prescribed(), any_);
   any_frequency_ = std::sqrt(std::min((any_.weighted / body.mass).maxCoeff(), (any_.plain / body.mass).maxCoeff()));
   elastic_ = any_frequency_ > 0 || !any_.exist;
 }
@@ -36,7 +36,7 @@ double Stability::frequency(const Body& body, const Points& x) const {
   const int n = body.points();
   sums_.setZero();
   bool beyond = false;
-  for (const auto& each : body.energies) beyond = each->add_bounds(x, body.mass, body.pinned, sums_) || beyond;
+  for (const auto& each : body.energies) beyond = each->add_bounds(x, body.mass, body.prescribed(), sums_) || beyond;
   const auto part = [&](int c) { return sums_.segment(c * n, n); };
   // lambda_max <= mean + 2 sqrt(|S - mean I|^2 / 6), with equality where the two smaller eigenvalues agree
   mean_ = (part(0) + part(1) + part(2)) / 3;

@@ -23,6 +23,8 @@ constexpr double straight_angle = 0.005;
 /// Angle that a step in the body's own frame may turn through [rad]: the rigid motion is exact, but the loads' directions in the frame are
 /// linear in between.
 constexpr double frame_angle = 1;
+/// Of a step times the rate of damping, where free parts are kicked by dashpots [1].
+constexpr double part_damping = 0.8;
 
 }  // namespace thresholds
 
@@ -66,7 +68,11 @@ double step_limit(const StepContext& context, Method method, bool given) {
   const State& motion = context.run.path.motion;
   if (context.model.stability.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(context);
   if (!given && t.long_run < 1 && context.request.horizon * bound(context) > thresholds::long_run) limit *= t.long_run;
-  if (!given && method == Method::leapfrog && context.model.body.dashpots()) limit = with_dashpots(context, limit);
+  if (!given && method == Method::leapfrog && context.model.body.dashpots()) {
+    limit = with_dashpots(context, limit);
+    // the kicks of the parts do not solve for what dashpots do to them
+    if (std::ranges::any_of(context.drive.free, &FreeMotion::part)) limit = std::min(limit, thresholds::part_damping / damping_bound(context));
+  }
   if (t.damping < infinity) limit = std::min(limit, t.damping / damping_bound(context));
   if (!given && t.turning == Turning::straight) limit = tighter(limit, turning_limit(context, motion.x, motion.v));
   if (!given && t.turning == Turning::in_frame)

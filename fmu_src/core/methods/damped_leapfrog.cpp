@@ -1,5 +1,6 @@
 #include "methods/damped_leapfrog.hpp"
 
+#include "contact/free_parts.hpp"
 #include "methods/traits.hpp"
 
 namespace softffd {
@@ -114,8 +115,12 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
   }
   kick(view, state, planes && resolved_, false, exchange);
   next_ = state.x + view.h * state.v;
+  kick_parts(view, before_, state.free);
   drift_pins(view, state.v, next_, exchange);
-  if (!planes) return StepStatus::ok;
+  if (!planes) {
+    fly(view, state.free);
+    return StepStatus::ok;
+  }
   const double work = exchange.work, dissipated = exchange.dissipated;
   const Count before = impacts();
   if (surface_ && surface_->spent()) return StepStatus::not_finite;
@@ -125,6 +130,7 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
     contact_.find(view, next_);
   const StepStatus status = surface_ ? surface_->drift(view, before_, state.v, next_, path.surface, state.free, exchange)
                                      : contact_.drift(view, before_, state.v, next_, exchange);
+  if (!surface_) fly(view, state.free);
   lands_ = impacts() > before;
   if (lands_) drift_ = next_ - state.x;
   if (!losses(view.around)) return status;
@@ -152,6 +158,14 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
       reactions_.close(view, contact_, before_);
   }
   kick(view, state, touched && resolved_, true, exchange);
+  if (!view.body.yielding.empty()) {  // as the opening kick by the velocities outside of the drift
+    rates_ = state.v;
+    for (int p = 0; p < view.body.points(); ++p)
+      if (view.body.pinned[p]) set_row(rates_, p, row(before_, p));
+    inner_ = state.spring;
+    view.body.add_dashpot_force(state.x, rates_, inner_);
+    kick_parts(view, before_, state.free);
+  }
   return_pins(view, middle_, state.v, exchange);
   if (!touched) return StepStatus::ok;
   const double work = exchange.work, dissipated = exchange.dissipated;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "contact/free_parts.hpp"
 #include "methods/traits.hpp"
 
 namespace softffd {
@@ -145,12 +146,14 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
   if (losses(view.body, view.around)) start_ = state.v;
   before_.swap(state.v);
   kicks_.open(view.spring, view.force, before_, state.x, state.v, next_);
+  if (!around.free.empty()) kick_parts(view, before_, state.free);
   if (!around.pins.empty()) drift_pins(view, before_, state.v, next_, exchange);
   if (!around.planes.empty()) {
     if (surface_ && surface_->spent()) return StepStatus::not_finite;
     find(view, path);
     if (const StepStatus status = position_stage(view, path); status != StepStatus::ok) return status;
   }
+  if (!surface_) fly(view, state.free);
   if (around.watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (view.t0 + view.t1), next_ - state.x);
   if (losses(view.body, view.around)) exchange.dissipated += dashpot_loss(view, state, before_);
   state.x.swap(next_);
@@ -166,6 +169,7 @@ StepStatus Leapfrog::close(const StepView& view, Path& path) {
   if (around.ramped) around.force_at(view.t1, force_);
   if (!around.pins.empty() || losses(view.body, around)) before_ = state.v;
   kicks_.close(view.spring, view.force, state.v);
+  if (!around.free.empty()) kick_parts(view, before_, state.free);
   if (!around.pins.empty()) close_pins(view, before_, state.v, exchange);
   if (!around.planes.empty()) {
     const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);

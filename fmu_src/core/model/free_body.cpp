@@ -1,6 +1,6 @@
 #include "model/free_body.hpp"
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -45,44 +45,80 @@ Eigen::Matrix3d axes_of(const std::array<double, 4>& orientation) {
 }
 
 FreeMotion::FreeMotion(const FreeBody& body, const std::vector<FreeState>& states, int index)
-    : body_(body), states_(&states), index_(index), mass_(body.mass), inertia_(body.inertia) {}
+    : body_(body), states_(&states), index_(index) {
+  load(body.mass, Vec3::Zero(), Vec3::Zero());
+}
 
-void FreeMotion::load(double mass, const Vec3& force, const Vec3& torque) {
-  mass_ = mass;
-  inertia_ = (mass / body_.mass) * body_.inertia;
+void FreeMotion::load(double mass, const Vec3& force, const Vec3& torque, const std::vector<Vec3>& arms, const std::vector<double>& masses) {
+  mass_ = own_mass_ = mass;
+  own_inertia_ = (mass / body_.mass) * body_.inertia;
+  inertia_ = own_inertia_.asDiagonal();
   force_ = force;
   torque_ = torque;
+  centre_.setZero();
+  for (std::size_t n = 0; n < arms.size(); ++n) {
+    mass_ += masses[n];
+    centre_ += masses[n] * arms[n];
+    inertia_ += masses[n] * (arms[n].squaredNorm() * Eigen::Matrix3d::Identity() - arms[n] * arms[n].transpose());
+  }
+  centre_ /= mass_;
+  inertia_ -= mass_ * (centre_.squaredNorm() * Eigen::Matrix3d::Identity() - centre_ * centre_.transpose());
+  inverse_inertia_ = inertia_.inverse();
 }
+
+FreeState FreeMotion::own(const FreeState& s) const {
+  FreeState own = s;
+  const Vec3 arm = -rotated(s.orientation, centre_);
+  own.position += arm;
+  own.velocity += spin(s).cross(arm);
+  return own;
+}
+
+FreeState FreeMotion::whole(const FreeState& own, const Vec3& spin) const {
+  FreeState s = own;
+  const Vec3 arm = rotated(own.orientation, centre_);
+  s.position += arm;
+  if (body_.guided())
+    s.velocity = body_.guide.dot(own.velocity) * body_.guide;
+  else
+    s.velocity += spin.cross(arm);
+  s.momentum = momentum(s, spin);
+  return s;
+}
+
+Wrench FreeMotion::loads(const FreeState& s) const { return {force_, torque_ - rotated(s.orientation, centre_).cross(force_)}; }
 
 Eigen::Matrix3d FreeMotion::inverse_mass() const {
   if (body_.guided()) return body_.guide * body_.guide.transpose() / mass_;
   return Eigen::Matrix3d::Identity() / mass_;
 }
 
+Eigen::Matrix3d FreeMotion::inertia(const FreeState& s) const {
+  const Eigen::Matrix3d axes = axes_of(s.orientation);
+  return axes * inertia_ * axes.transpose();
+}
+
 Eigen::Matrix3d FreeMotion::inverse_inertia(const FreeState& s) const {
   if (body_.guided()) return Eigen::Matrix3d::Zero();
   const Eigen::Matrix3d axes = axes_of(s.orientation);
-  return axes * inertia_.cwiseInverse().asDiagonal() * axes.transpose();
+  return axes * inverse_inertia_ * axes.transpose();
 }
 
 Vec3 FreeMotion::spin(const FreeState& s) const {
-  if (body_.guided()) return Vec3::Zero();
-  if (inertia_[0] == inertia_[1] && inertia_[1] == inertia_[2]) return s.momentum / inertia_[0];
+  if (body_.guided() || s.momentum.isZero(0)) return Vec3::Zero();
   return inverse_inertia(s) * s.momentum;
 }
 
 Vec3 FreeMotion::momentum(const FreeState& s, const Vec3& spin) const {
   if (body_.guided()) return Vec3::Zero();
-  const Eigen::Matrix3d axes = axes_of(s.orientation);
-  return axes * (inertia_.asDiagonal() * (axes.transpose() * spin));
+  return inertia(s) * spin;
 }
 
 double FreeMotion::kinetic_energy(const FreeState& s) const {
-  return 0.5 * mass_ * s.velocity.squaredNorm() + 0.5 * s.momentum.dot(spin(s));
-}
-
-Twist FreeMotion::response(const FreeState& s, const Vec3& impulse, const Vec3& torque) const {
-  return {inverse_mass() * impulse, inverse_inertia(s) * torque};
+  const FreeState here = own(s);
+  const Eigen::Matrix3d axes = axes_of(s.orientation);
+  const Vec3 turns = axes.transpose() * spin(s);
+  return 0.5 * own_mass_ * here.velocity.squaredNorm() + 0.5 * turns.dot(own_inertia_.cwiseProduct(turns));
 }
 
 void FreeMotion::push(FreeState& s, const Vec3& impulse, const Vec3& torque) const {
@@ -101,7 +137,8 @@ FreeState FreeMotion::moved(const FreeState& from, const FreeState& by, double h
 /// The turn is that of the end, which it takes some rounds to find.
 FreeState FreeMotion::stepped(const FreeState& from, double h, const Vec3& impulse, const Vec3& torque) const {
   FreeState to = from;
-  push(to, h * force_ + impulse, h * torque_ + torque);
+  const Wrench load = loads(from);
+  push(to, h * load.force + impulse, h * load.torque + torque);
   for (int round = 0; round < turn_rounds; ++round) {
     const FreeState end = moved(from, to, h);
     const bool found = end.orientation == to.orientation;
@@ -118,11 +155,11 @@ FreeState FreeMotion::flown(const FreeState& from, double time) const {
   const double h = time - from.time;
   FreeState to = from;
   to.time = time;
-  const Vec3 acceleration = inverse_mass() * force_;
+  const Vec3 acceleration = part() ? Vec3(Vec3::Zero()) : Vec3(inverse_mass() * force_), torque = part() ? Vec3(Vec3::Zero()) : torque_;
   to.position += h * (from.velocity + 0.5 * h * acceleration);
   to.velocity += h * acceleration;
   if (body_.guided() || h == 0) return to;
-  to.momentum += h * torque_;
+  to.momentum += h * torque;
   const double angle = std::abs(h) * std::max(spin(from).norm(), spin(to).norm());
   if (angle == 0) return to;
   const double parts = std::clamp(std::ceil(angle / longest_turn), 1.0, most_parts), part = h / parts;
@@ -130,7 +167,7 @@ FreeState FreeMotion::flown(const FreeState& from, double time) const {
   FreeState here = from;
   const auto slope = [&](double age, const Quaternion& at) {
     here.orientation = unit(at);
-    here.momentum = from.momentum + age * torque_;
+    here.momentum = from.momentum + age * torque;
     return rate_of(at, spin(here));
   };
   for (int i = 0; i < int(parts); ++i) {

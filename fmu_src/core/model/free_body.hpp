@@ -49,34 +49,45 @@ struct Twist {
   Vec3 at(const Vec3& arm) const { return move + turn.cross(arm); }
 };
 
-/// A free body under its loads, in flight from the state of the run.
+/// A force on it and its torque about the centre [N], [N m].
+struct Wrench {
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+};
+
+/// A free body under its loads, in flight from the state of the run. A pin's part goes with the points that the pin holds: the state is of
+/// the centre of both, the orientation that of the pin's frame, and loads change its motion by kicks alone, as the forces of the points do.
 class FreeMotion {
  public:
   /// states: of the run, whose number `index` this body is.
   FreeMotion(const FreeBody& body, const std::vector<FreeState>& states, int index);
 
   const FreeBody& body() const { return body_; }
-  double mass() const { return mass_; }
+  bool part() const { return body_.pin >= 0; }
+  double mass() const { return mass_; }  ///< of all that moves [kg]
   /// The states are these from now on.
   void follow(const std::vector<FreeState>& states) { states_ = &states; }
-  /// force, torque: on it, gravity included [N], [N m].
-  void load(double mass, const Vec3& force, const Vec3& torque);
-  const Vec3& force() const { return force_; }
-  const Vec3& torque() const { return torque_; }
+  /// mass: its own. force, torque: on it, at its own centre, gravity included [N], [N m]. arms: in the frame, of the points that it takes
+  /// along [m], of these masses [kg].
+  void load(double mass, const Vec3& force, const Vec3& torque, const std::vector<Vec3>& arms = {}, const std::vector<double>& masses = {});
 
   const FreeState& state() const { return (*states_)[index_]; }
   int index() const { return index_; }
   /// In free flight from the run's state, or from another one.
   FreeState at(double time) const { return flown(state(), time); }
   FreeState flown(const FreeState& from, double time) const;
+  /// Its own centre, in the place of that of all that moves.
+  FreeState own(const FreeState& s) const;
+  /// A state of its own centre, as a state of all that moves.
+  FreeState whole(const FreeState& own, const Vec3& spin) const;
 
-  Vec3 spin(const FreeState& s) const;                              ///< [rad/s]
-  Vec3 momentum(const FreeState& s, const Vec3& spin) const;        ///< angular [kg m2/s]
-  double kinetic_energy(const FreeState& s) const;                  ///< [J]
-  Eigen::Matrix3d inverse_mass() const;                             ///< along the guide alone, where there is one [1/kg]
-  Eigen::Matrix3d inverse_inertia(const FreeState& s) const;        ///< in the world; zero on a guide [1/(kg m2)]
-  /// Changes of the velocities by an impulse and its torque about the centre [N s], [N m s].
-  Twist response(const FreeState& s, const Vec3& impulse, const Vec3& torque) const;
+  Wrench loads(const FreeState& s) const;
+  Vec3 spin(const FreeState& s) const;                        ///< [rad/s]
+  Vec3 momentum(const FreeState& s, const Vec3& spin) const;  ///< angular [kg m2/s]
+  double kinetic_energy(const FreeState& s) const;            ///< of its own [J]
+  double own_mass() const { return own_mass_; }               ///< [kg]
+  Eigen::Matrix3d inverse_mass() const;                       ///< along the guide alone, where there is one [1/kg]
+  Eigen::Matrix3d inverse_inertia(const FreeState& s) const;  ///< in the world; zero on a guide [1/(kg m2)]
+  Eigen::Matrix3d inertia(const FreeState& s) const;          ///< in the world [kg m2]
   /// The end of a step of backward Euler that gives it such an impulse beside its loads.
   FreeState stepped(const FreeState& from, double h, const Vec3& impulse, const Vec3& torque) const;
   /// Gone on for h with the velocities of a state, from a place and momenta of another.
@@ -88,8 +99,10 @@ class FreeMotion {
   FreeBody body_;
   const std::vector<FreeState>* states_;
   int index_;
-  double mass_;
-  Vec3 inertia_;
+  double mass_, own_mass_;
+  Eigen::Matrix3d inertia_, inverse_inertia_;  ///< of all that moves, in the frame
+  Vec3 own_inertia_;
+  Vec3 centre_ = Vec3::Zero();  ///< of all that moves, in the frame from its own [m]
   Vec3 force_ = Vec3::Zero(), torque_ = Vec3::Zero();
 };
 

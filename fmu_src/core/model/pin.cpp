@@ -17,7 +17,13 @@ Vec3 angular_velocity_of(const std::array<double, 4>& p, const std::array<double
 
 }  // namespace
 
+Frame Pin::frame_of(const FreeState& state) const {
+  const FreeState here = own->own(state);
+  return {here.position, here.orientation, Vec3::Zero(), here.velocity, own->spin(state)};
+}
+
 Frame Pin::at(double time) const {
+  if (own) return frame_of(own->at(time));
   const double age = time - since;
   const Vec3 origin = position + age * (velocity + 0.5 * age * acceleration), speed = velocity + age * acceleration;
   double squared = 0;

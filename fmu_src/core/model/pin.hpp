@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "model/rotation.hpp"
+#include "model/free_body.hpp"
 
 namespace softffd {
 
@@ -36,8 +36,11 @@ struct Pin : PinMotion {
   std::vector<int> points;  ///< control points, each in one pin only
   std::vector<Vec3> local;  ///< their rest positions in the frame [m]
   double since = 0;         ///< [s]
+  const FreeMotion* own = nullptr;  ///< that of a free part, in the place of all of PinMotion
 
   Frame at(double time) const;
+  /// Of the free part in this state.
+  Frame frame_of(const FreeState& state) const;
 };
 
 }  // namespace softffd

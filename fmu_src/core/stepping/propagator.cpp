@@ -123,9 +123,15 @@ StepStatus Propagator::carry_out(const StepContext& context, const Plan& plan, d
 StepStatus Propagator::run_by_trials(const StepContext& context, double end) {
   Course& course = context.run.course;
   const State& motion = context.run.path.motion;
+  const bool parts = std::ranges::any_of(context.drive.free, &FreeMotion::part);  // the others know none
   while (motion.time < end) {
     const double left = end - motion.time;
-    if (TrialRuns::due(context, left)) trial_runs_.of(context.run).run(integrators_, calibrator_.of(context.run), context, left);
+    if (parts) {
+      course.trials.winner = Method::leapfrog;
+      course.trials.reason = Reason::stability;
+      course.trials.forecast = 0;
+      course.trials.due = infinity;
+    } else if (TrialRuns::due(context, left)) trial_runs_.of(context.run).run(integrators_, calibrator_.of(context.run), context, left);
     const Method method = course.method = course.trials.winner;
     course.reason = course.trials.reason;
     if (motion.time == end) break;  // a trial took it there

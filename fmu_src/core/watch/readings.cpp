@@ -18,7 +18,7 @@ double Readings::free_energy() const {
   double energy = 0;
   for (const FreeMotion& each : drive.free) {
     const FreeState& state = now.path.motion.free[each.index()];
-    energy += each.kinetic_energy(state) - each.mass() * gravity.dot(state.position);
+    energy += each.kinetic_energy(state) - each.own_mass() * gravity.dot(each.own(state).position);
   }
   return energy;
 }
@@ -26,7 +26,7 @@ double Readings::free_energy() const {
 double Readings::gravity_energy() const {
   double energy = 0;
   for (int axis = 0; axis < 3; ++axis) energy -= gravity[axis] * (model.body.weight * now.path.motion.x.col(axis)).sum();
-  for (const FreeMotion& each : drive.free) energy -= each.mass() * gravity.dot(now.path.motion.free[each.index()].position);
+  for (const FreeMotion& each : drive.free) energy -= each.own_mass() * gravity.dot(each.own(now.path.motion.free[each.index()]).position);
   return energy;
 }
 

@@ -79,7 +79,8 @@ StepStatus ImplicitStage::open(const Step& step) {
   touches_->open(step);
   predict(step);
   x = step.from.x + u_;
-  step.equations.place_pins(step.t + step.h, x);
+  open_parts(step);
+  place_pins(step);
   for (const Pin& pin : around.pins)
     for (int p : pin.points) {
       set_row(u_, p, row(x, p) - row(step.from.x, p));
@@ -92,7 +93,12 @@ StepStatus ImplicitStage::open(const Step& step) {
   if (!touches_->possible(row(x, 0), position_slack * extent_)) return StepStatus::impossible_planes;
   force_scale_ =
       std::max(kernels::largest(force_.size(), force_.data()), kernels::largest(step.from.spring.size(), step.from.spring.data()));
-  const double inertia = diagonal_.maxCoeff() * kernels::largest(u_.size(), u_.data());
+  double inertia = diagonal_.maxCoeff() * kernels::largest(u_.size(), u_.data());
+  for (const FreeMotion& each : around.free) {
+    if (!each.part()) continue;
+    force_scale_ = std::max(force_scale_, each.loads(free[each.index()]).force.norm());
+    inertia = std::max(inertia, each.mass() / (step.h * step.h) * kernels::largest(u_.size(), u_.data()));
+  }
   noise_ = roundings * rounding * (largest_stiffness_ * extent_ + inertia + force_scale_);
   slight_ = slight_share * body.mass.minCoeff() / (step.h * step.h);
   scratch_ = force_;
@@ -120,7 +126,7 @@ void ImplicitStage::predict(const Step& step) {
 }
 
 StepStatus ImplicitStage::iterate(const Step& step) {
-  const StepProblem problem{step.equations.body,
+  StepProblem problem{step.equations.body,
                             step.from.x,
                             u_,
                             x,
@@ -134,6 +140,7 @@ StepStatus ImplicitStage::iterate(const Step& step) {
                             of_loads * step.accuracy};
   for (int i = 0; i < most_iterations; ++i) {
     find_residual(step, i == 0);
+    problem.parts = parts_;
     if (straight_ && (convergence_.left() <= step.way || in_balance(step))) return StepStatus::ok;
     ++iterations_;
     if (spent()) return StepStatus::not_finite;
@@ -155,15 +162,18 @@ void ImplicitStage::find_residual(const Step& step, bool first) {
     scratch_ = per_h * u_;
     body.add_dashpot_force(x, scratch_, residual_);
   }
+  find_parts_residual(step);
   touches_->find_friction(step, u_, first, largest_stiffness_, slight_);
 }
 
 bool ImplicitStage::in_balance(const Step& step) {
   scratch_ = residual_;
   touches_->add_forces(scratch_);
+  const double slack = step.accuracy * std::max(force_scale_, touches_->largest_load()) + noise_;
+  if (!parts_in_balance(slack)) return false;
   for (const Pin& pin : step.equations.around.pins)
     for (int p : pin.points) set_row(scratch_, p, Vec3::Zero());
-  return kernels::largest(scratch_.size(), scratch_.data()) <= step.accuracy * std::max(force_scale_, touches_->largest_load()) + noise_;
+  return kernels::largest(scratch_.size(), scratch_.data()) <= slack;
 }
 
 /// Takes the Newton step, its rotation as one. A step that was taken straight keeps the linear equations' balance of momentum.
@@ -171,7 +181,7 @@ void ImplicitStage::move(const Step& step) {
   const Body& body = step.equations.body;
   Points& change = touches_->solution().change;
   const RigidMotion motion = rigid_motion(body.mass, x, change);
-  const double angle_squared = motion.spin.squaredNorm();
+  const double angle_squared = std::max(motion.spin.squaredNorm(), move_parts(step, change));
   const bool settled = touches_->solution().settled;
   straight_ = angle_squared <= straight && settled;
   if (angle_squared > straight)
@@ -181,7 +191,7 @@ void ImplicitStage::move(const Step& step) {
   keep_converging();
   u_ += change;
   x = step.from.x + u_;
-  step.equations.place_pins(step.t + step.h, x);
+  place_pins(step);
   last_change_ = change;
 }
 
@@ -202,12 +212,19 @@ void ImplicitStage::keep_converging() {
 void ImplicitStage::close(const Step& step) {
   touches_->find_reactions(reactions_);
   v = u_ / step.h;
-  step.equations.place_pins(step.t + step.h, x, v);
+  const auto give_frames = [&] {
+    place_pins(step);
+    for (const Pin& pin : step.equations.around.pins) {
+      const Frame frame = frame_of(step, pin);
+      for (std::size_t n = 0; n < pin.points.size(); ++n) set_row(v, pin.points[n], frame.material_velocity(frame.arm(pin.local[n])));
+    }
+  };
+  give_frames();
   spread_rounding(step);
   push_free(step);
   x = step.from.x + u_;
   touches_->keep_in_front(step.equations.body, x);
-  step.equations.place_pins(step.t + step.h, x, v);
+  give_frames();
   step.equations.body.internal_force(x, spring);
   std::uint64_t sum = 0;
   for (const Reaction& each : reactions_) {
@@ -248,8 +265,8 @@ void ImplicitStage::spread_rounding(const Step& step) {
 
 /// Free bodies take what the reactions are reported to give their obstacles.
 void ImplicitStage::push_free(const Step& step) {
-  free = step.from.free;
   for (const FreeMotion& each : step.equations.around.free) {
+    if (each.part()) continue;  // it is where its points are
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
     for (const Reaction& reaction : reactions_) {
       if (reaction.plane != each.body().plane) continue;
@@ -268,8 +285,118 @@ HalfSpace ImplicitStage::begin_of(const Step& step, int obstacle, const Vec3& pl
   return tangent(plane, plane.pose_of(step.from.free[plane.own->index()]), place);
 }
 
+/// The frame of a pin at the end of the step.
+Frame ImplicitStage::frame_of(const Step& step, const Pin& pin) const {
+  return pin.own ? pin.frame_of(free[pin.own->index()]) : pin.at(step.t + step.h);
+}
+
+void ImplicitStage::place_pins(const Step& step) {
+  for (const Pin& pin : step.equations.around.pins) {
+    const Frame frame = frame_of(step, pin);
+    for (std::size_t n = 0; n < pin.points.size(); ++n) {
+      const int p = pin.points[n];
+      set_row(x, p, frame.origin + frame.arm(pin.local[n]));
+      if (pin.own) set_row(u_, p, row(x, p) - row(step.from.x, p));
+    }
+  }
+}
+
+/// The parts of free pins begin as they moved before.
+void ImplicitStage::open_parts(const Step& step) {
+  free = step.from.free;
+  parts_.clear();
+  for (const FreeMotion& each : step.equations.around.free) {
+    if (!each.part()) continue;
+    const FreeState& from = step.from.free[each.index()];
+    parts_.push_back({.points = &step.equations.around.pins[each.body().pin].points,
+                      .guide = each.body().guide,
+                      .mass = each.mass(),
+                      .moved = {step.h * from.velocity, step.h * each.spin(from)}});
+    place_part(step, each, parts_.back());
+  }
+}
+
+/// Where it has moved to in the step, with the velocities that bring it there.
+void ImplicitStage::place_part(const Step& step, const FreeMotion& body, const FreePart& part) {
+  const FreeState& from = step.from.free[body.index()];
+  FreeState& end = free[body.index()];
+  end = {.time = step.t + step.h, .position = from.position + part.moved.move, .velocity = part.moved.move / step.h};
+  end.orientation = turned(from.orientation, part.moved.turn);
+  end.momentum = body.momentum(end, part.moved.turn / step.h);
+}
+
+void ImplicitStage::find_parts_residual(const Step& step) {
+  auto part = parts_.begin();
+  const double per_h = 1 / step.h;
+  for (const FreeMotion& each : step.equations.around.free) {
+    if (!each.part()) continue;
+    const FreeState& from = step.from.free[each.index()];
+    const FreeState& end = free[each.index()];
+    part->centre = end.position;
+    part->inertia = each.inertia(end);
+    part->lack = each.loads(end);
+    part->lack.force -= per_h * each.mass() * (end.velocity - from.velocity);
+    part->lack.torque -= per_h * (end.momentum - from.momentum);
+    for (const int p : *part->points) {
+      const Vec3 inertia = per_h * step.equations.body.mass[p] * (per_h * row(u_, p) - row(step.from.v, p));
+      part->lack.force += inertia;
+      part->lack.torque += (row(x, p) - end.position).cross(inertia);
+    }
+    ++part;
+  }
+}
+
+/// Takes the parts where a change has moved their points. Returns the square of the largest turn [rad2].
+double ImplicitStage::move_parts(const Step& step, const Points& change) {
+  double largest = 0;
+  auto part = parts_.begin();
+  for (const FreeMotion& each : step.equations.around.free) {
+    if (!each.part()) continue;
+    const std::vector<int>& points = *part->points;
+    Twist& moved = part->moved;
+    const Vec3 centre = free[each.index()].position;
+    if (each.body().guided()) {
+      moved.move += row(change, points.front());
+      place_part(step, each, *part++);
+      continue;
+    }
+    const int n = int(points.size());
+    Points at(n, 3), by(n, 3);
+    for (int i = 0; i < n; ++i) {
+      set_row(at, i, row(x, points[i]));
+      set_row(by, i, row(change, points[i]));
+    }
+    const RigidMotion motion = rigid_motion(Scalars::Ones(n), at, by);
+    moved.move += motion.velocity + motion.spin.cross(centre - motion.centre);
+    moved.turn += motion.spin + 0.5 * motion.spin.cross(moved.turn);  // of two turns, to second order
+    place_part(step, each, *part++);
+    largest = std::max(largest, motion.spin.squaredNorm());
+  }
+  return largest;
+}
+
+/// In scratch_ is what all forces leave of the points' balance.
+bool ImplicitStage::parts_in_balance(double slack) const {
+  return std::ranges::all_of(parts_, [&](const FreePart& part) {
+    Vec3 force = part.lack.force, torque = part.lack.torque;
+    double size = 0;
+    for (const int p : *part.points) {
+      const Vec3 arm = row(x, p) - part.centre;
+      force += row(scratch_, p);
+      torque += arm.cross(row(scratch_, p));
+      size = std::max(size, arm.norm());
+    }
+    const double most = slack * std::sqrt(double(part.points->size()));
+    if (!part.guide.isZero(0)) return std::abs(part.guide.dot(force)) <= most;
+    return force.norm() <= most && torque.norm() <= most * size;
+  });
+}
+
 double ImplicitStage::work_of_free(const Step& step) const {
   double work = 0;
+  for (const Pin& pin : step.equations.around.pins)
+    for (int p : pin.points)
+      if (pin.own) work += pin_impulse(step, p).dot(row(u_, p)) / step.h;
   for (const Reaction& each : reactions_)
     if (step.equations.around.planes[each.plane].own) work += impulse(step, each).dot(material_velocity(step, each));
   return work;
@@ -362,7 +489,7 @@ void ImplicitStage::book(const Step& step, double weight, Exchange& exchange) co
     exchange.contacts_resolved += each.first;
   }
   for (std::size_t a = 0; a < around.pins.size(); ++a) {
-    const Vec3 origin = around.pins[a].at(step.t + step.h).origin;
+    const Vec3 origin = frame_of(step, around.pins[a]).origin;
     for (int p : around.pins[a].points) exchange.pins[a].add(-weight * pin_impulse(step, p), row(x, p) - origin);
   }
 }

@@ -85,6 +85,13 @@ class ImplicitStage {
   bool presses_solids(const Step& step) const;
   void spread_rounding(const Step& step);
   void push_free(const Step& step);
+  void place_pins(const Step& step);
+  Frame frame_of(const Step& step, const Pin& pin) const;
+  void open_parts(const Step& step);
+  void place_part(const Step& step, const FreeMotion& body, const FreePart& part);
+  void find_parts_residual(const Step& step);
+  double move_parts(const Step& step, const Points& change);
+  bool parts_in_balance(double slack) const;
   HalfSpace begin_of(const Step& step, int obstacle, const Vec3& place) const;
   Vec3 material_velocity(const Step& step, const Reaction& at) const;
   Vec3 impulse(const Step& step, const Reaction& reaction) const;
@@ -92,6 +99,7 @@ class ImplicitStage {
 
   std::unique_ptr<ImplicitTouches> touches_;
   std::vector<Reaction> reactions_;  ///< of the step that was solved
+  std::vector<FreePart> parts_;      ///< of free pins, where they are
   Scalars diagonal_;                 ///< of the inertia and the damping (points) [N/m]
   Points u_;                         ///< displacement in the step
   Points force_, residual_, last_change_, scratch_;

@@ -56,7 +56,7 @@ bool LinearContact::solve_with_touches(const StepProblem& problem, ContactSet& c
   for (;;) {
     if (stale_) {
       contacts.constrain(matrix_.assemble(problem));
-      matrix_.factor();
+      matrix_.factor(problem);
       fresh = true;
       stale_ = false;
     }
@@ -84,9 +84,8 @@ void LinearContact::solve_free_part(const StepProblem& problem, const ContactSet
     set_row(change, p, force);
   }
   project(contacts, change);
-  for (int p = 0; p < problem.body.points(); ++p)
-    if (problem.body.pinned[p]) set_row(change, p, Vec3::Zero());
-  matrix_.solve(change);
+  problem.body.hold_prescribed(change);
+  matrix_.solve_residual(problem, change);
   project(contacts, change);
   change += prescribed_;
 }

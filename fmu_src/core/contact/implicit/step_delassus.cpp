@@ -63,8 +63,7 @@ const StepDelassus::Response& StepDelassus::response(int s) {
     Points& moved = made.moved[axis];
     moved.setZero(body_->points(), 3);
     spread(s, Vec3::Unit(axis), moved);
-    for (int p = 0; p < body_->points(); ++p)
-      if (body_->pinned[p]) set_row(moved, p, Vec3::Zero());
+    body_->hold_prescribed(moved);
     matrix_->solve(moved);
   }
   operations_.spend(3 * Operations::of_place * double(responses_.size()));

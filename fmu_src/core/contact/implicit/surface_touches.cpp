@@ -209,16 +209,15 @@ bool SurfaceTouches::solve_free(const StepProblem& problem) {
   for (;;) {
     if (stale_) {
       matrix_.assemble(problem);
-      matrix_.factor();
+      matrix_.factor(problem);
       set_.delassus().set_matrix(matrix_, problem.body);
       solution_.fresh = true;
       stale_ = false;
     }
     free_ = problem.residual;
     add_forces(free_);
-    for (int p = 0; p < problem.body.points(); ++p)
-      if (problem.body.pinned[p]) set_row(free_, p, Vec3::Zero());
-    matrix_.solve(free_);
+    problem.body.hold_prescribed(free_);
+    matrix_.solve_residual(problem, free_);
     if (std::isfinite(kernels::largest(free_.size(), free_.data()))) return true;
     if (!matrix_.soften()) return false;
     stale_ = true;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "contact/free_parts.hpp"
 #include "contact/surface/surface_loops.hpp"
 #include "contact/tolerances.hpp"
 
@@ -15,11 +16,6 @@ constexpr int most_looks = 20;
 constexpr double no_gain = 1e-10;
 /// Of its limit, friction that a step begins to look at.
 constexpr double most_share = 2;
-
-/// Free bodies to the end of the step, without contact.
-void fly(const StepView& step, std::vector<FreeState>& free) {
-  for (std::size_t k = 0; k < free.size(); ++k) free[k] = step.around.free[k].flown(free[k], step.t1);
-}
 
 }  // namespace
 
@@ -96,9 +92,10 @@ void SurfaceContact::give_free(const SurfaceStage& stage, const Drive& around, d
 void SurfaceContact::book_free(const StepView& step, const std::vector<FreeState>& free, Exchange& exchange) const {
   for (std::size_t k = 0; k < free.size(); ++k) {
     const FreeMotion& body = step.around.free[k];
+    if (body.part()) continue;  // its pin is booked
     const FreeState &start = free_start_[k], &end = free[k];
-    const double loads = 0.5 * step.h *
-                         (body.force().dot(start.velocity + end.velocity) + body.torque().dot(body.spin(start) + body.spin(end)));
+    const auto [force, torque] = body.loads(start);
+    const double loads = 0.5 * step.h * (force.dot(start.velocity + end.velocity) + torque.dot(body.spin(start) + body.spin(end)));
     const double work = body.kinetic_energy(end) - body.kinetic_energy(start) - loads;
     exchange.work -= work;
     exchange.dissipated -= work;
