@@ -4,18 +4,21 @@
 
 namespace softffd {
 
-/// Half a kick of the parts of free pins, by the forces on the points that they take along.
-inline void kick_parts(const StepView& step, const Points& v, std::vector<FreeState>& free) {
+/// Half a kick of the parts of free pins. impulse: of the forces in it on point p [N s].
+template <class Impulse>
+void kick_parts(const StepView& step, std::vector<FreeState>& free, const Impulse& impulse) {
   for (const FreeMotion& each : step.around.free) {
     if (!each.part()) continue;
     FreeState& state = free[each.index()];
     auto [force, torque] = each.loads(state);
+    force *= 0.5 * step.h;
+    torque *= 0.5 * step.h;
     for (const int p : step.around.pins[each.body().pin].points) {
-      const Vec3 own = row(step.spring, p) + row(step.force, p) - step.body.damping[p] * row(v, p);
+      const Vec3 own = impulse(p);
       force += own;
       torque += (row(step.x0, p) - state.position).cross(own);
     }
-    each.push(state, 0.5 * step.h * force, 0.5 * step.h * torque);
+    each.push(state, force, torque);
   }
 }
 

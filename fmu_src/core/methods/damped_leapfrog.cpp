@@ -26,6 +26,11 @@ void drift_pins(const StepView& step, Points& v, Points& x1, Exchange& exchange)
   }
 }
 
+/// What a kick from velocities v0 to v gave a pinned point [N s].
+auto kicked_by(const StepView& step, const Points& v0, const Points& v) {
+  return [&](int p) { return Vec3(step.body.mass[p] * (row(v, p) - row(v0, p))); };
+}
+
 bool losses(const Drive& around) { return around.watch && !around.damping_unwatched; }
 
 /// Kinetic energy of the points that no pin holds, at velocities v0 less that at v1 [J].
@@ -115,7 +120,7 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
   }
   kick(view, state, planes && resolved_, false, exchange);
   next_ = state.x + view.h * state.v;
-  kick_parts(view, before_, state.free);
+  kick_parts(view, state.free, kicked_by(view, before_, state.v));
   drift_pins(view, state.v, next_, exchange);
   if (!planes) {
     fly(view, state.free);
@@ -158,14 +163,7 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
       reactions_.close(view, contact_, before_);
   }
   kick(view, state, touched && resolved_, true, exchange);
-  if (!view.body.yielding.empty()) {  // as the opening kick by the velocities outside of the drift
-    rates_ = state.v;
-    for (int p = 0; p < view.body.points(); ++p)
-      if (view.body.pinned[p]) set_row(rates_, p, row(before_, p));
-    inner_ = state.spring;
-    view.body.add_dashpot_force(state.x, rates_, inner_);
-    kick_parts(view, before_, state.free);
-  }
+  kick_parts(view, state.free, kicked_by(view, before_, state.v));
   return_pins(view, middle_, state.v, exchange);
   if (!touched) return StepStatus::ok;
   const double work = exchange.work, dissipated = exchange.dissipated;

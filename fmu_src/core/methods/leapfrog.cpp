@@ -9,10 +9,14 @@ namespace softffd {
 
 namespace {
 
+/// Of the forces on a point in half a step, at this velocity [N s].
+Vec3 kick_of(const StepView& step, int p, const Vec3& v) {
+  return 0.5 * step.h * (row(step.spring, p) + row(step.force, p) - step.body.damping[p] * v);
+}
+
 /// Books the momentum that a half kick and the forces acting in it do not explain on the pin that holds the point.
 void book(const StepView& step, int pin, int p, const Vec3& old, const Vec3& now, const Vec3& damped, const Vec3& arm, Exchange& exchange) {
-  const Vec3 force = row(step.spring, p) + row(step.force, p) - step.body.damping[p] * damped;
-  const Vec3 impulse = step.body.mass[p] * (now - old) - 0.5 * step.h * force;
+  const Vec3 impulse = step.body.mass[p] * (now - old) - kick_of(step, p, damped);
   exchange.push(exchange.pins[pin], impulse, arm, 0.5 * (old + now));
 }
 
@@ -146,7 +150,7 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
   if (losses(view.body, view.around)) start_ = state.v;
   before_.swap(state.v);
   kicks_.open(view.spring, view.force, before_, state.x, state.v, next_);
-  if (!around.free.empty()) kick_parts(view, before_, state.free);
+  if (!around.free.empty()) kick_parts(view, state.free, [&](int p) { return kick_of(view, p, row(before_, p)); });
   if (!around.pins.empty()) drift_pins(view, before_, state.v, next_, exchange);
   if (!around.planes.empty()) {
     if (surface_ && surface_->spent()) return StepStatus::not_finite;
@@ -169,7 +173,7 @@ StepStatus Leapfrog::close(const StepView& view, Path& path) {
   if (around.ramped) around.force_at(view.t1, force_);
   if (!around.pins.empty() || losses(view.body, around)) before_ = state.v;
   kicks_.close(view.spring, view.force, state.v);
-  if (!around.free.empty()) kick_parts(view, before_, state.free);
+  if (!around.free.empty()) kick_parts(view, state.free, [&](int p) { return kick_of(view, p, row(before_, p)); });
   if (!around.pins.empty()) close_pins(view, before_, state.v, exchange);
   if (!around.planes.empty()) {
     const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
