@@ -159,6 +159,7 @@ void SoftBody::refresh_forces() {
 void SoftBody::refresh_free_bodies() {
   for (std::size_t k = 0; k < drive_.free.size(); ++k) {
     const FreeLoad& load = settings.free[k];
+    drive_.free[k].follow(now_.path.motion.free);  // a soft body may have been moved
     drive_.free[k].load(load.mass, load.force + load.mass * settings.gravity, load.torque);
   }
 }
@@ -248,6 +249,7 @@ StepStatus SoftBody::initialize(double t0) {
   look_at_planes();
   model_.body.internal_force(motion.x, motion.spring);
   if (definition_.watch_energy) now_.potential = potential_energy();
+  now_.free_energy = readings().free_energy();
   if (!finite(now_)) return StepStatus::not_finite;
   return settings.step == 0 && readings().undecided() ? StepStatus::undecided : StepStatus::ok;
 }
@@ -287,7 +289,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
                         .horizon = settings.horizon,
                         .jolt = jump > thresholds::jolt * drive_.force.abs().maxCoeff(),
                         .step_factor = step_factor * settings.step_factor};
-  if (definition_.solids && stand_ins) let_half_spaces_stand(model_.body, drive_, motion, H);
+  if (definition_.solids && stand_ins && drive_.free.empty()) let_half_spaces_stand(model_.body, drive_, motion, H);
   const StepStatus ran = propagator_.advance({model_, drive_, request, now_}, H);
   if (definition_.solids) meet_solids(drive_);
   if (ran != StepStatus::ok) return ran;

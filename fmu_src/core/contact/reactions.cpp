@@ -54,9 +54,9 @@ void Reactions::close(const StepView& step, const Contact& contact, const Points
     if (!rested_[p]) set_row(forces_, p, Vec3::Zero());
 }
 
-void Reactions::hold(const StepView& step, SurfaceContact& surface, const SurfaceRows& rows, const Points& v0) {
+void Reactions::hold(const StepView& step, SurfaceContact& surface, const Path& path, const Points& v0) {
   kick(step, v0);
-  if (surface.hold(step, held_, rows) != StepStatus::ok) return clear();
+  if (surface.hold(step, held_, path.surface, path.motion.free) != StepStatus::ok) return clear();
   for (int axis = 0; axis < 3; ++axis) forces_.col(axis) = step.body.mass * (held_.col(axis) - free_.col(axis)) / (0.5 * step.h);
 }
 

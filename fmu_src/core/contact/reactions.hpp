@@ -17,8 +17,8 @@ class Reactions {
   void open(const StepView& step, const Points& v0);
   /// At the closing: of points that were on an obstacle then and still are. v0: velocities before the kick; contact: after its drift.
   void close(const StepView& step, const Contact& contact, const Points& v0);
-  /// At either kick, where samples of the surface meet obstacles: of those that touch. rows: of the state.
-  void hold(const StepView& step, SurfaceContact& surface, const SurfaceRows& rows, const Points& v0);
+  /// At either kick, where samples of the surface meet obstacles: of those that touch.
+  void hold(const StepView& step, SurfaceContact& surface, const Path& path, const Points& v0);
   /// None.
   void clear();
 

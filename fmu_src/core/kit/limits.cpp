@@ -1,5 +1,7 @@
 #include "kit/limits.hpp"
 
+#include "kit/outlook.hpp"
+
 #include <algorithm>
 
 #include "body/rigid_motion.hpp"
@@ -74,6 +76,7 @@ double step_limit(const StepContext& context, Method method, bool given) {
 
 double turning_limit(const StepContext& context, const Points& x, const Points& v) {
   double fastest = spin(context.model, x, v);
+  for (const FreeMotion& each : context.drive.free) fastest = worse(fastest, each.spin(each.state()).norm());
   for (const Pin& pin : context.drive.pins) fastest = worse(fastest, pin.at(context.run.path.motion.time).spin.norm());
   return tighter(thresholds::stiffest / bound(context),
                  tighter(std::sqrt(thresholds::straight_turn / (bound(context) * fastest)), thresholds::straight_angle / fastest));
@@ -81,7 +84,7 @@ double turning_limit(const StepContext& context, const Points& x, const Points& 
 
 double growing(const StepContext& context, const State& a, const State& b, double stretch) {
   const Scalars &time_scale = context.model.time_scale, &memory = context.model.memory;
-  double error = 0;
+  double error = free_bodies_apart(context, a, b, stretch) * std::max(1.0, context.request.horizon / stretch);
   for (int i = 0; i < memory.size(); ++i) {
     const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]) * time_scale[i];
     if (!(dx < infinity && dv < infinity)) return infinity;

@@ -230,9 +230,24 @@ void book_unknown_phase(const StepContext& context, const State& state, double e
   stiff.unknown = std::sqrt(power(stiff.unknown, 2) + power(added, 2));
 }
 
+double free_bodies_apart(const StepContext& context, const State& a, const State& b, double lasting) {
+  double most = 0;
+  for (const FreeMotion& each : context.drive.free) {
+    const FreeState &one = a.free[each.index()], &other = b.free[each.index()];
+    const int q = each.body().plane;
+    const double size = q >= 0 ? context.drive.planes[q].size() : context.model.body.length;
+    const double turned = (axes_of(one.orientation) - axes_of(other.orientation)).norm();
+    const double place = (one.position - other.position).norm() + size * turned;
+    const double speed = (one.velocity - other.velocity).norm() + size * (each.spin(one) - each.spin(other)).norm();
+    const double period = slowest_period(context) * std::sqrt(1 + each.mass() / context.model.body.mass.sum());
+    most = worse(most, std::max(place, speed * std::min(lasting, period)));
+  }
+  return most;
+}
+
 double outcome_of(const StepContext& context, const State& a, const State& b, const Outlook& ahead) {
   const Body& body = context.model.body;
-  double error = 0;
+  double error = free_bodies_apart(context, a, b, std::max(ahead.along_normal, ahead.along_plane));
   for (int i = 0; i < a.x.size(); ++i)
     if (context.model.memory[i] > 0) error = worse(error, std::abs(a.x.data()[i] - b.x.data()[i]));
   if (!context.drive.pins.empty()) {

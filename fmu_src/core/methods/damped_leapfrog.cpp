@@ -108,7 +108,7 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
   prepare_kick(view, state, view.h);
   if (planes && resolved_) {
     if (surface_)
-      reactions_.hold(view, *surface_, path.surface, before_);
+      reactions_.hold(view, *surface_, path, before_);
     else
       reactions_.open(view, before_);
   }
@@ -123,7 +123,7 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
     surface_->find(view, next_, path.surface);
   else
     contact_.find(view, next_);
-  const StepStatus status = surface_ ? surface_->drift(view, before_, state.v, next_, path.surface, exchange)
+  const StepStatus status = surface_ ? surface_->drift(view, before_, state.v, next_, path.surface, state.free, exchange)
                                      : contact_.drift(view, before_, state.v, next_, exchange);
   lands_ = impacts() > before;
   if (lands_) drift_ = next_ - state.x;
@@ -147,7 +147,7 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
   prepare_kick(view, state, -view.h);
   if (touched && resolved_) {
     if (surface_)
-      reactions_.hold(view, *surface_, path.surface, before_);
+      reactions_.hold(view, *surface_, path, before_);
     else
       reactions_.close(view, contact_, before_);
   }
@@ -155,7 +155,7 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
   return_pins(view, middle_, state.v, exchange);
   if (!touched) return StepStatus::ok;
   const double work = exchange.work, dissipated = exchange.dissipated;
-  const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, exchange) : contact_.close(view, state.v, exchange);
+  const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
   if (losses(view.around)) exchange.dissipated = dissipated + (exchange.work - work) + slowed(view.body, kicked_, state.v);
   return status;
 }

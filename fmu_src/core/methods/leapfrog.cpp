@@ -168,7 +168,7 @@ StepStatus Leapfrog::close(const StepView& view, Path& path) {
   kicks_.close(view.spring, view.force, state.v);
   if (!around.pins.empty()) close_pins(view, before_, state.v, exchange);
   if (!around.planes.empty()) {
-    const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, exchange) : contact_.close(view, state.v, exchange);
+    const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
     if (status != StepStatus::ok) return status;
     if (surface_ && SurfaceContact::wants_loss(view)) exchange.dissipated += surface_->loss(view, state.v);
   }
@@ -224,7 +224,7 @@ bool Leapfrog::lasts(Count steps) const { return !surface_ && contact_.same() &&
 StepStatus Leapfrog::position_stage(const StepView& view, Path& path) {
   ++step_;
   if (!lasts(keep_for / 2)) each_found([&](Count& until) { until = any_until_ = step_ + keep_for; });
-  return surface_ ? surface_->drift(view, before_, path.motion.v, next_, path.surface, path.exchange)
+  return surface_ ? surface_->drift(view, before_, path.motion.v, next_, path.surface, path.motion.free, path.exchange)
                   : contact_.drift(view, before_, path.motion.v, next_, path.exchange);
 }
 

@@ -11,6 +11,8 @@ namespace {
 /// Turn in a part of a flight [rad]: the error of its orientation is 1e-10 of the angle.
 constexpr double longest_turn = 0.02;
 constexpr double most_parts = 10000;
+/// To find the orientation at the end of an implicit step.
+constexpr int turn_rounds = 8;
 
 using Quaternion = Eigen::Vector4d;
 
@@ -86,6 +88,29 @@ Twist FreeMotion::response(const FreeState& s, const Vec3& impulse, const Vec3& 
 void FreeMotion::push(FreeState& s, const Vec3& impulse, const Vec3& torque) const {
   s.velocity += inverse_mass() * impulse;
   if (!body_.guided()) s.momentum += torque;
+}
+
+FreeState FreeMotion::moved(const FreeState& from, const FreeState& by, double h) const {
+  FreeState to = from;
+  to.time = from.time + h;
+  to.position += h * by.velocity;
+  if (!body_.guided()) to.orientation = turned(from.orientation, h * spin(by));
+  return to;
+}
+
+/// The turn is that of the end, which it takes some rounds to find.
+FreeState FreeMotion::stepped(const FreeState& from, double h, const Vec3& impulse, const Vec3& torque) const {
+  FreeState to = from;
+  push(to, h * force_ + impulse, h * torque_ + torque);
+  for (int round = 0; round < turn_rounds; ++round) {
+    const FreeState end = moved(from, to, h);
+    const bool found = end.orientation == to.orientation;
+    to.orientation = end.orientation;
+    to.position = end.position;
+    if (found) break;
+  }
+  to.time = from.time + h;
+  return to;
 }
 
 /// The turn by the rule of Runge and Kutta of fourth order, in parts short against it.

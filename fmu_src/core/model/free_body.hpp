@@ -57,6 +57,8 @@ class FreeMotion {
 
   const FreeBody& body() const { return body_; }
   double mass() const { return mass_; }
+  /// The states are these from now on.
+  void follow(const std::vector<FreeState>& states) { states_ = &states; }
   /// force, torque: on it, gravity included [N], [N m].
   void load(double mass, const Vec3& force, const Vec3& torque);
   const Vec3& force() const { return force_; }
@@ -75,6 +77,10 @@ class FreeMotion {
   Eigen::Matrix3d inverse_inertia(const FreeState& s) const;        ///< in the world; zero on a guide [1/(kg m2)]
   /// Changes of the velocities by an impulse and its torque about the centre [N s], [N m s].
   Twist response(const FreeState& s, const Vec3& impulse, const Vec3& torque) const;
+  /// The end of a step of backward Euler that gives it such an impulse beside its loads.
+  FreeState stepped(const FreeState& from, double h, const Vec3& impulse, const Vec3& torque) const;
+  /// Gone on for h with the velocities of a state, from a place and momenta of another.
+  FreeState moved(const FreeState& from, const FreeState& by, double h) const;
   /// Adds such an impulse to the state.
   void push(FreeState& s, const Vec3& impulse, const Vec3& torque) const;
 

@@ -115,6 +115,13 @@ Turning turning_by_spin(const Plane& plane, double a0, double a1) {
 
 /// The gap n . (x - p) has the second derivative n'' . (x - p) - 2 n' . p' - n . p''.
 PlaneWay way_between(const Plane& plane, double t0, double t1, double arm) {
+  if (plane.own) {
+    const FreeState start = plane.own->at(t0), end = plane.own->at(t1);
+    const double spin = std::max(plane.own->spin(start).norm(), plane.own->spin(end).norm());
+    const double fastest = std::max(start.velocity.norm(), end.velocity.norm()), far = arm + (t1 - t0) * fastest;
+    const double bend = plane.own->force().norm() / plane.own->mass() + 2 * spin * fastest + 2 * spin * spin * far;
+    return {fastest + spin * far, (t1 - t0) * (t1 - t0) / 8 * bend};
+  }
   const double a0 = t0 - plane.since, a1 = t1 - plane.since, h = t1 - t0;
   const Turning turning = plane.normal_rate.isZero(0) ? turning_by_spin(plane, a0, a1) : turning_by_rate(plane, a0, a1);
   const double speed = std::max((plane.velocity + a0 * plane.acceleration).norm(), (plane.velocity + a1 * plane.acceleration).norm());

@@ -77,6 +77,7 @@ static_assert(visits_every_field<Drift>);
 /// errors (stepping/landings.hpp). Empty without obstacles.
 struct Neighbour {
   Points x, v;           ///< while it takes the path's steps, its own; else by what it differed when it last did [m, m/s]
+  std::vector<FreeState> free{};  ///< bodies, its own while it takes them
   bool follows = false;  ///< takes them
   double impact = 0;     ///< time of the path's last one [s]
   Drift off{};           ///< it from the path
@@ -90,7 +91,7 @@ struct Neighbour {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.x, s.v, s.follows, s.impact, s.off);
+    return fields(s.x, s.v, s.free, s.follows, s.impact, s.off);
   }
 };
 static_assert(visits_every_field<Neighbour>);
@@ -301,6 +302,7 @@ struct Run {
   EnergyAccount energy;
   double exchange_time = 1;                        ///< length of the last communication step [s]
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
+  double free_energy = 0;                          ///< of free bodies at the start [J]
   MarkedPoints outside;                            ///< outside forces at the end of the last communication step [N]
   Count contacts_resolved = 0;
   std::vector<Count> contacts;  ///< control points, or samples of the surface, on each plane at the communication point
@@ -309,7 +311,7 @@ struct Run {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.path, s.course, s.energy, s.exchange_time, s.dissipated, s.work, s.potential, s.outside, s.contacts_resolved,
+    return fields(s.path, s.course, s.energy, s.exchange_time, s.dissipated, s.work, s.potential, s.free_energy, s.outside, s.contacts_resolved,
                   s.contacts, s.centres, s.sensors);
   }
 };

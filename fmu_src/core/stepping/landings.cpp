@@ -84,6 +84,7 @@ void set_beside(const StepContext& context, const State& begin, State& beside) {
   const NearestObstacle nearest = nearest_obstacle(context, beside);
   if (nearest.gap < 0 && context.drive.pins.empty()) add(-nearest.gap * nearest.obstacle.normal, beside.x);
   neighbour.x = beside.x;
+  neighbour.free = begin.free;
   neighbour.v += begin.v;
   neighbour.follows = true;
 }
@@ -114,11 +115,13 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
   Snapshot snapshot(path, path_);
   path.motion.x = neighbour.x;
   path.motion.v = neighbour.v;
+  path.motion.free = neighbour.free;
   path.motion.time = begin.time;
   context.model.body.internal_force(path.motion.x, path.motion.spring);
   const Outcome outcome = integrators.take(context, method, method == Method::leapfrog ? out_of_phase(span, impact) : span);
   neighbour.x = path.motion.x;
   neighbour.v = path.motion.v;
+  neighbour.free = path.motion.free;
   snapshot.rollback();
   snapshot.commit();
   const Points& x = path.motion.x;

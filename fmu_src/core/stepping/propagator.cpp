@@ -55,7 +55,7 @@ Facts Propagator::facts(const StepContext& context, double H) const {
   facts.surface = facts.obstacles && context.model.body.samples;
   facts.pins = !context.drive.pins.empty();
   facts.explicit_alone = context.model.body.explicit_alone;
-  if (facts.obstacles && context.drive.planes.back().solid()) {  // near, and round: flights and rests know planes alone
+  if (facts.obstacles && (context.drive.planes.back().solid() || !context.drive.free.empty())) {  // flights and rests know planes alone
     facts.clear = false;
     facts.within_reach = true;
     facts.stiffness = 0;

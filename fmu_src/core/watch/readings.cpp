@@ -8,11 +8,25 @@
 
 namespace softffd {
 
-double Readings::kinetic_energy() const { return 0.5 * (model.body.mass * now.path.motion.v.square().rowwise().sum()).sum(); }
+double Readings::kinetic_energy() const {
+  double energy = 0.5 * (model.body.mass * now.path.motion.v.square().rowwise().sum()).sum();
+  for (const FreeMotion& each : drive.free) energy += each.kinetic_energy(now.path.motion.free[each.index()]);
+  return energy;
+}
+
+double Readings::free_energy() const {
+  double energy = 0;
+  for (const FreeMotion& each : drive.free) {
+    const FreeState& state = now.path.motion.free[each.index()];
+    energy += each.kinetic_energy(state) - each.mass() * gravity.dot(state.position);
+  }
+  return energy;
+}
 
 double Readings::gravity_energy() const {
   double energy = 0;
   for (int axis = 0; axis < 3; ++axis) energy -= gravity[axis] * (model.body.weight * now.path.motion.x.col(axis)).sum();
+  for (const FreeMotion& each : drive.free) energy -= each.mass() * gravity.dot(now.path.motion.free[each.index()].position);
   return energy;
 }
 

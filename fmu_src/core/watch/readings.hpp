@@ -45,7 +45,10 @@ struct Readings {
   double elastic_energy() const { return model.body.elastic_energy(now.path.motion.x); }
   double gravity_energy() const;
   double dissipated_energy() const { return now.dissipated; }
-  double work() const { return now.work; }
+  /// Of the outside: what free bodies gave the object, or took, is none of it.
+  double work() const { return now.work + free_energy() - now.free_energy; }
+  /// Kinetic and potential energy of free bodies [J].
+  double free_energy() const;
 
   Count steps() const { return now.path.steps; }
   Count rejected() const { return now.course.rejected; }

@@ -61,6 +61,7 @@ StepStatus ImplicitContact::take_euler(const Step& step, bool watch, State& stat
   const double outside = (stage_.force() * (stage_.x - state.x)).sum(), work = stage_.contact_work(step);
   const Drive& around = step.equations.around;
   const double ramp = around.ramped ? around.ramp_dot(step.loads_at, stage_.x - state.x) : 0;
+  free_work_ = stage_.work_of_free(step);
   if (!close(step, outside, work, watch, ramp, exchange)) return StepStatus::not_finite;
   stage_.book(step, 1, exchange);
   given_ += stage_.given_by_contacts(step, work);
@@ -92,11 +93,20 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   const auto work_of_ramps = [&](double time, const Points& v) { return equations.around.ramped ? equations.around.ramp_dot(time, v) : 0; };
   double outside = rest * work_of_loads(stage_.v), ramp = rest * work_of_ramps(t + part, stage_.v);
   double work = weight * stage_.contact_work(first), known = rest * stage_.lost_power(first);
+  const double first_free = weight * stage_.work_of_free(first);
   stage_.book(first, weight, exchange);
   first_v_ = stage_.v;
+  first_free_ = stage_.free;
   start_.x = state.x + rest * first_v_;
   start_.v = state.v + weight * (first_v_ - state.v);
   start_.spring = stage_.spring;
+  start_.free = state.free;
+  for (const FreeMotion& each : equations.around.free) {
+    const FreeState &from = state.free[each.index()], &by = stage_.free[each.index()];
+    FreeState& start = start_.free[each.index()] = each.moved(from, by, rest);
+    start.velocity = from.velocity + weight * (by.velocity - from.velocity);
+    start.momentum = from.momentum + weight * (by.momentum - from.momentum);
+  }
   start_.holds = state.holds;
   start_.held_rows = state.held_rows;
   stage_.touches().hold(start_);
@@ -110,6 +120,7 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   outside += part * work_of_loads(stage_.v);
   ramp += part * work_of_ramps(t + h, stage_.v);
   work += stage_.contact_work(second);
+  free_work_ = first_free + stage_.work_of_free(second);
   known += part * stage_.lost_power(second);
   if (!close(whole, outside, work, watch, ramp, exchange)) return StepStatus::not_finite;
   lost_ -= known;
@@ -119,6 +130,10 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   for (int p = 0; p < equations.body.points(); ++p)
     for (int axis = 0; axis < 3 && !equations.body.pinned[p]; ++axis)
       bend_ = std::max(bend_, std::abs(h * (at_begin * state.v(p, axis) + at_stage * first_v_(p, axis) + at_end * stage_.v(p, axis))));
+  for (std::size_t k = 0; k < first_free_.size(); ++k) {
+    const Vec3 bend = at_begin * state.free[k].velocity + at_stage * first_free_[k].velocity + at_end * stage_.free[k].velocity;
+    bend_ = std::max(bend_, h * bend.cwiseAbs().maxCoeff());
+  }
   take(state);
   return StepStatus::ok;
 }
@@ -146,6 +161,13 @@ bool ImplicitContact::close(const Step& step, double outside, double work, bool 
   const double exchanged = before + elastic0 + std::abs(outside) + std::abs(work);
   if (!(std::isfinite(loss) && loss >= -most_gain * exchanged - stage_.noise())) return false;
   lost_ = loss;
+  for (const FreeMotion& each : step.equations.around.free) {  // what they lost by the step itself
+    const FreeState &from = step.from.free[each.index()], &end = stage_.free[each.index()];
+    const double loads = each.force().dot(end.position - from.position) + 0.5 * step.h * each.torque().dot(each.spin(from) + each.spin(end));
+    free_work_ -= loads - (each.kinetic_energy(end) - each.kinetic_energy(from));
+  }
+  exchange.work -= free_work_;
+  exchange.dissipated -= free_work_;
   if (watch) {
     exchange.work += work + ramp_work;
     exchange.dissipated += loss;
@@ -160,6 +182,7 @@ void ImplicitContact::take(State& state) {
   state.x.swap(stage_.x);
   state.v.swap(stage_.v);
   state.spring.swap(stage_.spring);
+  state.free.swap(stage_.free);
 }
 
 }  // namespace softffd

@@ -204,6 +204,7 @@ void ImplicitStage::close(const Step& step) {
   v = u_ / step.h;
   step.equations.place_pins(step.t + step.h, x, v);
   spread_rounding(step);
+  push_free(step);
   x = step.from.x + u_;
   touches_->keep_in_front(step.equations.body, x);
   step.equations.place_pins(step.t + step.h, x, v);
@@ -245,6 +246,35 @@ void ImplicitStage::spread_rounding(const Step& step) {
   }
 }
 
+/// Free bodies take what the reactions are reported to give their obstacles.
+void ImplicitStage::push_free(const Step& step) {
+  free = step.from.free;
+  for (const FreeMotion& each : step.equations.around.free) {
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    for (const Reaction& reaction : reactions_) {
+      if (reaction.plane != each.body().plane) continue;
+      const Vec3 taken = -impulse(step, reaction);
+      force += taken;
+      torque += (touches_->value(reaction, x) - touches_->plane(reaction.plane).point).cross(taken);
+    }
+    free[each.index()] = each.stepped(step.from.free[each.index()], step.h, force, torque);
+  }
+}
+
+/// The obstacle as it is at the begin of the step, at a place.
+HalfSpace ImplicitStage::begin_of(const Step& step, int obstacle, const Vec3& place) const {
+  const Plane& plane = step.equations.around.planes[obstacle];
+  if (!plane.own) return facing_half_space(plane, step.t, place);
+  return tangent(plane, plane.pose_of(step.from.free[plane.own->index()]), place);
+}
+
+double ImplicitStage::work_of_free(const Step& step) const {
+  double work = 0;
+  for (const Reaction& each : reactions_)
+    if (step.equations.around.planes[each.plane].own) work += impulse(step, each).dot(material_velocity(step, each));
+  return work;
+}
+
 /// Of planes and pins on the body.
 double ImplicitStage::contact_work(const Step& step) const {
   double work = 0;
@@ -269,7 +299,7 @@ bool ImplicitStage::strikes(const Step& step) const {
   const double length = step.equations.body.length, slight = std::max(slight_approach * length, jump * step.way);
   return std::any_of(reactions_.begin(), reactions_.end(), [&](const Reaction& each) {
     const Vec3 place = touches_->value(each, step.from.x);
-    const HalfSpace plane = facing_half_space(step.equations.around.planes[each.plane], step.t, place);
+    const HalfSpace plane = begin_of(step, each.plane, place);
     const double approach = each.normal.dot(plane.material_velocity(place) - touches_->value(each, step.from.v));
     return each.normal.dot(each.force) > 0 && (plane.gap(place) > touching * length || approach * step.h > slight);
   });
@@ -293,7 +323,8 @@ Slip ImplicitStage::slip_of_contacts(const Step& step) const {
     const double load = each.normal.dot(each.force), limit = plane.friction * load;
     if (!(limit > 0)) continue;
     const Vec3 place = touches_->value(each, step.from.x);
-    const Vec3 surface = plane.at(step.t).material_velocity(place), later = plane.at(step.t + step.h).material_velocity(place);
+    const Vec3 surface = begin_of(step, each.plane, place).material_velocity(place);
+    const Vec3 later = touches_->plane(each.plane).material_velocity(place);
     const Vec3 begin = tangential(each.normal, touches_->value(each, step.from.v) - surface);
     const Vec3 end = tangential(each.normal, touches_->value(each, v) - material_velocity(step, each));
     sum.add_contact(load, limit, tangential(each.normal, each.force), begin, end, (later - surface).norm());
@@ -303,6 +334,10 @@ Slip ImplicitStage::slip_of_contacts(const Step& step) const {
 
 /// Of the obstacle where it touches, seen at mid-step.
 Vec3 ImplicitStage::material_velocity(const Step& step, const Reaction& at) const {
+  if (const FreeMotion* own = step.equations.around.planes[at.plane].own) {
+    const FreeState& end = free[own->index()];
+    return end.velocity + own->spin(end).cross(touches_->value(at, x) - end.position);
+  }
   return touches_->material_velocity(at.plane, touches_->value(at, step.from.x) + 0.5 * touches_->value(at, u_));
 }
 

@@ -43,6 +43,7 @@ class ImplicitStage {
 
   /// At the end of the step, exactly in front of the planes; spring: the internal forces there.
   Points x, v, spring;
+  std::vector<FreeState> free;
   /// Outside forces of the step [N].
   const Points& force() const { return force_; }
   const std::vector<Reaction>& reactions() const { return reactions_; }
@@ -52,6 +53,8 @@ class ImplicitStage {
 
   /// Of planes and pins on the body [J].
   double contact_work(const Step& step) const;
+  /// Of free bodies alone, as they move from the step's begin to its end.
+  double work_of_free(const Step& step) const;
   /// The same with friction, at the mean of the velocities [J].
   double given_by_contacts(const Step& step, double work) const;
   /// What touches at the end, and what of it slides: another number where it is another set.
@@ -81,6 +84,8 @@ class ImplicitStage {
   void close(const Step& step);
   bool presses_solids(const Step& step) const;
   void spread_rounding(const Step& step);
+  void push_free(const Step& step);
+  HalfSpace begin_of(const Step& step, int obstacle, const Vec3& place) const;
   Vec3 material_velocity(const Step& step, const Reaction& at) const;
   Vec3 impulse(const Step& step, const Reaction& reaction) const;
   Vec3 pin_impulse(const Step& step, int p) const;

@@ -38,8 +38,10 @@ void StepDelassus::factor(int from) {
       size(), from, [&](int i, int j) { return element(rows_[i], rows_[j]); }, [&](int i) { return element(rows_[i], rows_[i]); });
 }
 
-double StepDelassus::element(const SurfaceRow& a, const SurfaceRow& b) {
-  return normals_[a.plane].dot((*this)(a.sample, b.sample) * normals_[b.plane]);
+Eigen::Matrix3d StepDelassus::block(const SurfaceRow& a, const SurfaceRow& b) {
+  Eigen::Matrix3d sum = (*this)(a.sample, b.sample);
+  if (free_) sum += free_->between(free_->handles(a), free_->handles(b));
+  return sum;
 }
 
 Eigen::Matrix3d StepDelassus::operator()(int s, int t) {
@@ -127,6 +129,11 @@ void StepDelassus::apply_impulses(const std::vector<double>& forces, const std::
   operations_.spend(3 * double(begin.size()) * body_->points());
   gaps = begin;
   for (std::size_t q = 0; q < gaps.size(); ++q) gaps[q].add_motion(*samples_, {0, body_->points()}, move_, normals_[q]);
+  if (!free_) return;
+  free_->clear_twists();
+  for (std::size_t t = 0; t < forces.size(); ++t) free_->add_force(rows_[t], forces[t] * normals_[rows_[t].plane]);
+  for (std::size_t q = 0; q < gaps.size(); ++q)
+    if (gaps[q].sample >= 0) gaps[q].of_sample -= normals_[q].dot(free_->carried({int(q), gaps[q].sample}));
 }
 
 }  // namespace softffd

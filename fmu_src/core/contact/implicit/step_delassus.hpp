@@ -18,6 +18,9 @@ class StepDelassus {
  public:
   explicit StepDelassus(const Samples& samples) : samples_(&samples), index_(samples.count(), -1) {}
 
+  /// What free obstacles yield too; null: there are none. Its twists are those of the last forces.
+  void set_free(FreeRows* free) { free_ = free; }
+
   /// The normals of the planes (planes), until the next call; the rows at hand are forgotten.
   void set_planes(const std::vector<Vec3>& normals);
   /// Responses are those of this factored matrix from now on; read until the next call. Pinned points do not move.
@@ -45,8 +48,9 @@ class StepDelassus {
   /// As Delassus, those of the matrix's solutions apart.
   Operations& operations() const { return operations_; }
 
-  /// G of two samples [m/N].
+  /// G of two samples [m/N]; and of two rows, with what free obstacles yield.
   Eigen::Matrix3d operator()(int s, int t);
+  Eigen::Matrix3d block(const SurfaceRow& a, const SurfaceRow& b);
   /// u += Z_s f [m].
   void add_response(int s, const Vec3& f, Points& u);
   /// f_i += W_si f [N].
@@ -60,12 +64,13 @@ class StepDelassus {
   };
   const Response& response(int s);
   Eigen::Matrix3d compliance(int i, int j) const;
-  double element(const SurfaceRow& a, const SurfaceRow& b);
+  double element(const SurfaceRow& a, const SurfaceRow& b) { return normals_[a.plane].dot(block(a, b) * normals_[b.plane]); }
   void factor(int from);
 
   const Samples* samples_;
   StepMatrix* matrix_ = nullptr;
   const Body* body_ = nullptr;
+  FreeRows* free_ = nullptr;
   std::vector<Vec3> normals_;
   std::vector<std::unique_ptr<Response>> responses_;  ///< in the order they were asked for
   std::vector<int> index_;                            ///< (samples) of their responses; -1: none yet

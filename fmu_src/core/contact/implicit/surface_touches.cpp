@@ -28,6 +28,7 @@ SurfaceTouches::SurfaceTouches(const Samples& samples, double length, int planes
       middle_(planes),
       end_(planes),
       poses_(planes),
+      free_rows_(samples),
       friction_(planes, 0.0),
       tangents_(samples, length),
       search_(samples, planes, length),
@@ -55,6 +56,33 @@ void SurfaceTouches::open(const Step& step) {
   }
   forces_.clear();
   set_normals();
+  if (!step.equations.around.free.empty()) place_free(step.from.x);
+}
+
+/// Free obstacles as they end the step by the forces at hand; rows are at x.
+void SurfaceTouches::place_free(const Points& x) {
+  const Drive& around = step_->equations.around;
+  const double h = step_->h;
+  std::vector<Twist> given(around.free.size());
+  free_bodies_.resize(around.free.size());
+  if (free_rows_.any()) {
+    free_rows_.clear_twists();
+    for (const Force& each : forces_) free_rows_.add_force(each.row, each.force);
+    given = free_rows_.given();
+  }
+  for (const FreeMotion& each : around.free) {
+    const FreeState& from = step_->from.free[each.index()];
+    FreeState& end = free_bodies_[each.index()];
+    end = each.stepped(from, h, h * given[each.index()].move, h * given[each.index()].turn);
+    const int q = each.body().plane;
+    if (q < 0) continue;
+    poses_[q] = around.planes[q].pose_of(end);
+    end_[q] = middle_[q] = poses_[q];
+    middle_[q].point = 0.5 * (from.position + end.position);
+  }
+  free_rows_.set_planes(obstacle_);
+  free_rows_.set_bodies(around, free_bodies_, x, h * h, false);
+  set_.delassus().set_free(&free_rows_);
 }
 
 void SurfaceTouches::set_normals() {
@@ -147,7 +175,8 @@ void SurfaceTouches::turn_tangents(const StepProblem& problem) {
 bool SurfaceTouches::tangents_stand(const StepProblem& problem) const {
   return std::ranges::all_of(forces_, [&](const Force& each) {
     if (each.row.plane < flat_) return true;
-    const Vec3 place = samples_.at(each.row.sample, problem.x) + samples_.at(each.row.sample, move_);
+    Vec3 place = samples_.at(each.row.sample, problem.x) + samples_.at(each.row.sample, move_);
+    if (free_rows_.any()) place -= free_rows_.carried(each.row);
     return (tangent_at(each.row.plane, place).normal - normals_[each.row.plane]).norm() <= most_turn;
   });
 }
@@ -155,6 +184,7 @@ bool SurfaceTouches::tangents_stand(const StepProblem& problem) const {
 StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
   solution_.fresh = solution_.settled = false;
   const bool solids = flat_ < int(end_.size());
+  if (!free_bodies_.empty()) place_free(problem.x);
   if (solids && !covered_) find_tangents(2 * tangents_.way(problem.x0, problem.x));
   if (solids) turn_tangents(problem);
   if (!solve_free(problem)) return StepStatus::not_finite;
@@ -164,6 +194,7 @@ StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
   if (solids) {
     covered_ = tangents_.covers(tangents_.way(problem.x0, problem.x + move_));
     solution_.settled = solution_.settled && covered_ && tangents_stand(problem);
+    for (const Twist& each : free_rows_.twists()) solution_.settled = solution_.settled && each.turn.norm() <= most_turn;
   }
   solution_.change = move_;
   matrix_.forces_of(problem, move_, solution_.reaction);
@@ -278,7 +309,7 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
     coulomb_.friction.push_back(friction_[obstacle_[each.row.plane]]);
     coulomb_.u.push_back(place(problem, each.row));
     force.push_back(each.force);
-    for (int t = 0; t < n; ++t) coulomb_.g.push_back(g(each.row.sample, forces_[t].row.sample));
+    for (int t = 0; t < n; ++t) coulomb_.g.push_back(g.block(each.row, forces_[t].row));
   }
   coulomb_.exact = exact_roundings * rounding / position_slack * problem.slack + doubt_;
   const double missed = rows_.solve(coulomb_, g.operations(), force);
@@ -297,14 +328,16 @@ bool SurfaceTouches::in_front(double slack) {
   return covered && std::all_of(candidates_.begin(), candidates_.end(), [&](const Candidate& each) {
            const int s = each.row.sample;
            return gap_functions_[each.row.plane].at(samples_, s) >= -2 * slack - doubt_ ||
-                  set_.delassus()(s, s).isZero(0);  // all of it pinned
+                  set_.delassus().block(each.row, each.row).isZero(0);  // all of it pinned
          });
 }
 
 /// What a row has of gap along its normal and of slip across it [m].
 Vec3 SurfaceTouches::place(const StepProblem& problem, const SurfaceRow& row) const {
   const HalfSpace& plane = planes_[row.plane];
-  const Vec3 begin = samples_.at(row.sample, problem.x0), u = samples_.at(row.sample, problem.u), move = samples_.at(row.sample, move_);
+  const Vec3 begin = samples_.at(row.sample, problem.x0), u = samples_.at(row.sample, problem.u);
+  Vec3 move = samples_.at(row.sample, move_);
+  if (free_rows_.any()) move -= free_rows_.carried(row);
   const Vec3 slip = u + move - problem.h * material_velocity(obstacle_[row.plane], begin + 0.5 * u);
   return (plane.gap(samples_.at(row.sample, problem.x)) + plane.normal.dot(move)) * plane.normal + tangential(plane.normal, slip);
 }
@@ -314,17 +347,19 @@ void SurfaceTouches::find_move(const std::vector<Force>& forces) {
   move_ = free_;
   doubt_ = 0;
   StepDelassus& g = set_.delassus();
-  const auto push = [&](int s, const Vec3& more) {
-    g.add_response(s, more, move_);
-    doubt_ += response_roundings * rounding * more.norm() * g(s, s).trace();
+  free_rows_.clear_twists();
+  const auto push = [&](const SurfaceRow& row, const Vec3& more) {
+    g.add_response(row.sample, more, move_);
+    if (free_rows_.any()) free_rows_.add_force(row, more);
+    doubt_ += response_roundings * rounding * more.norm() * g.block(row, row).trace();
   };
   std::size_t t = 0;
   for (const Force& was : before_) {
-    for (; t < forces.size() && forces[t].row < was.row; ++t) push(forces[t].row.sample, forces[t].force);
+    for (; t < forces.size() && forces[t].row < was.row; ++t) push(forces[t].row, forces[t].force);
     const bool both = t < forces.size() && forces[t].row == was.row;
-    push(was.row.sample, (both ? forces[t++].force : Vec3(Vec3::Zero())) - was.force);
+    push(was.row, (both ? forces[t++].force : Vec3(Vec3::Zero())) - was.force);
   }
-  for (; t < forces.size(); ++t) push(forces[t].row.sample, forces[t].force);
+  for (; t < forces.size(); ++t) push(forces[t].row, forces[t].force);
 }
 
 /// Above the planes, moved.
@@ -336,6 +371,7 @@ void SurfaceTouches::find_heights(const StepProblem& problem) {
     gap_functions_[q].sample = q < flat_ ? -1 : tangents_.found()[q - flat_].sample;
     if (const int s = gap_functions_[q].sample; s >= 0) {
       gap_functions_[q].of_sample = plane.gap(samples_.at(s, problem.x)) + plane.normal.dot(samples_.at(s, move_));
+      if (free_rows_.any()) gap_functions_[q].of_sample -= plane.normal.dot(free_rows_.carried({q, s}));
       continue;
     }
     Scalars& gaps = gap_functions_[q].of_points;

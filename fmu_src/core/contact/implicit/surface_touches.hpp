@@ -63,6 +63,7 @@ class SurfaceTouches final : public ImplicitTouches {
   bool tangents_stand(const StepProblem& problem) const;
   HalfSpace tangent_at(int plane, const Vec3& place) const;
   Count number(const SurfaceRow& row) const { return Count(obstacle_[row.plane]) * samples_.count() + row.sample; }
+  void place_free(const Points& x);
   StepStatus press(const StepProblem& problem, bool& lost);
   void find_loads();
   bool in_front(double slack);
@@ -79,6 +80,8 @@ class SurfaceTouches final : public ImplicitTouches {
   double length_;
   std::vector<HalfSpace> middle_, end_;  ///< the obstacles in the middle and at the end of the step
   std::vector<SolidPose> poses_;         ///< of solids, at the end
+  FreeRows free_rows_;
+  std::vector<FreeState> free_bodies_;  ///< at the end, by the forces at the linearisation
   std::vector<double> friction_;         ///< (obstacles) coefficients
   Tangents tangents_;
   int flat_ = 0;                   ///< number of half-spaces, which come first; then planes of the tangents, one each

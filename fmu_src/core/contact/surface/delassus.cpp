@@ -39,6 +39,7 @@ double Delassus::between(int p, int q) const {
 void Delassus::set_normals(const std::vector<Vec3>& normals) {
   if (normals == normals_) return;
   normals_ = normals;
+  if (free_) set_rows({});  // handles are of the places before
   cosines_.clear();
   const int n = int(normals.size());
   std::vector<double> table;
@@ -56,8 +57,10 @@ void Delassus::set_masses(const Scalars& inverse) {
 }
 
 void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
-  if (sorted_ && rows == rows_) return;
+  if (sorted_ && rows == rows_ && !free_) return;
   rows_ = rows;
+  handles_.clear();
+  for (std::size_t s = 0; s < rows.size() && free_; ++s) handles_.push_back(free_->handles(rows[s]));
   const int n = size(), width = samples_->support();
   operations_.spend(n * (weights_work + 0.5 * n * width));
   over_mass_.resize(std::size_t(n) * width);
@@ -88,9 +91,30 @@ double Delassus::element(const SurfaceRow& a, const double* of_a, const SurfaceR
 /// The rows of L from here on.
 void Delassus::factor(int from) {
   operations_.spend(0.5 * double(size()) * size() * (size() - from));
+  if (free_) {
+    const auto a = [&](int i, int j) {
+      return cosine(rows_[i].plane, rows_[j].plane) * g_[start(i) + j] + yield(rows_[i], handles_[i], rows_[j], handles_[j]);
+    };
+    return factor_.factor(size(), from, a, [&](int i) { return a(i, i); });
+  }
   factor_.factor(
       size(), from, [&](int i, int j) { return cosine(rows_[i].plane, rows_[j].plane) * g_[start(i) + j]; },
       [&](int i) { return g_[start(i) + i]; });
+}
+
+Eigen::Matrix3d Delassus::block(int s, int t) const {
+  Eigen::Matrix3d sum = (*this)(s, t) * Eigen::Matrix3d::Identity();
+  if (free_) sum += free_->between(handles_[s], handles_[t]);
+  return sum;
+}
+
+void Delassus::move_gaps(const Points& move, std::vector<GapFunction>& gaps) const {
+  operations_.spend(4 * double(gaps.size()) * double(move.rows()));
+  const PointRange range = free_ && free_->any_pin() ? PointRange{0, int(move.rows())} : range_;
+  for (std::size_t q = 0; q < gaps.size(); ++q) {
+    gaps[q].add_motion(*samples_, range, move, normals_[q]);
+    if (free_ && gaps[q].sample >= 0) gaps[q].of_sample -= normals_[q].dot(free_->carried({int(q), gaps[q].sample}));
+  }
 }
 
 /// Rows of one plane move the points along its normal alone.
@@ -99,7 +123,7 @@ void Delassus::apply_impulses(const std::vector<double>& forces, const std::vect
   if (rows_.empty()) return;
   const int one = rows_[0].plane, points = int(inverse_.size());
   operations_.spend(double(begin.size() + rows_.size()) * points);
-  if (std::ranges::all_of(rows_, [&](const SurfaceRow& row) { return row.plane == one; })) {
+  if (!free_ && std::ranges::all_of(rows_, [&](const SurfaceRow& row) { return row.plane == one; })) {
     field_.setZero(points);
     for (std::size_t t = 0; t < forces.size(); ++t) push(int(t), forces[t], field_.data());
     for (std::size_t q = 0; q < gaps.size(); ++q) {
@@ -115,8 +139,7 @@ void Delassus::apply_impulses(const std::vector<double>& forces, const std::vect
   pushes_.clear();
   for (std::size_t t = 0; t < forces.size(); ++t) pushes_.push_back(forces[t] * normals_[rows_[t].plane]);
   push(pushes_, move_);
-  for (std::size_t q = 0; q < gaps.size(); ++q) gaps[q].add_motion(*samples_, range_, move_, normals_[q]);
-  operations_.spend(3 * double(begin.size()) * points);
+  move_gaps(move_, gaps);
 }
 
 void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {
@@ -125,8 +148,13 @@ void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {
   move.resize(points, 3);
   const bool dense = size() > 0 && samples_->support() == points;  // the weights of all points, in their order
   if (!dense || range_ != PointRange{0, points}) move.setZero();
-  if (dense) return kernels::weighted_sums(points, range_, size(), forces.front().data(), over_mass_.data(), move.data());
-  for (int t = 0; t < size(); ++t) samples_->add(rows_[t].sample, forces[t], over_mass(t), move);
+  if (dense)
+    kernels::weighted_sums(points, range_, size(), forces.front().data(), over_mass_.data(), move.data());
+  else
+    for (int t = 0; t < size(); ++t) samples_->add(rows_[t].sample, forces[t], over_mass(t), move);
+  if (!free_) return;
+  free_->find_twists(handles_, forces);
+  free_->move_pins(move);
 }
 
 void Delassus::prepare(SurfaceRow row, Column& column) const {
@@ -134,7 +162,11 @@ void Delassus::prepare(SurfaceRow row, Column& column) const {
   operations_.spend(weights_work + double(size()) * samples_->support());
   column.over_mass.resize(samples_->support());
   samples_->weights(row.sample, inverse_, column.over_mass.data());
-  column.own = samples_->product(row.sample, row.sample, column.over_mass.data());
+  column.own = column.diagonal = samples_->product(row.sample, row.sample, column.over_mass.data());
+  if (free_) {
+    column.handles = free_->handles(row);
+    column.own += yield(row, column.handles, row, column.handles);
+  }
   column.g.resize(size());
   for (int t = 0; t < size(); ++t) column.g[t] = element(row, column.over_mass.data(), rows_[t], over_mass(t));
   project(column);
@@ -143,7 +175,10 @@ void Delassus::prepare(SurfaceRow row, Column& column) const {
 void Delassus::project(Column& column) const {
   operations_.spend(solution_work * size() * size());
   column.half.resize(size());
-  for (int t = 0; t < size(); ++t) column.half[t] = cosine(column.row.plane, rows_[t].plane) * column.g[t];
+  for (int t = 0; t < size(); ++t) {
+    column.half[t] = cosine(column.row.plane, rows_[t].plane) * column.g[t];
+    if (free_) column.half[t] += yield(column.row, column.handles, rows_[t], handles_[t]);
+  }
   factor_.project(column);
 }
 
@@ -151,7 +186,8 @@ void Delassus::append(const Column& column) {
   rows_.push_back(column.row);
   over_mass_.insert(over_mass_.end(), column.over_mass.begin(), column.over_mass.end());
   g_.insert(g_.end(), column.g.begin(), column.g.end());
-  g_.push_back(column.own);
+  g_.push_back(column.diagonal);
+  if (free_) handles_.push_back(column.handles);
   find_range(size() - 1);
   factor_.append(column);
   sorted_ = false;
@@ -164,6 +200,7 @@ void Delassus::drop(int row, Column* column) {
       if (j != row) g_[at++] = g_[start(i) + j];
   over_mass_.erase(over_mass_.begin() + std::size_t(row) * width, over_mass_.begin() + std::size_t(row + 1) * width);
   rows_.erase(rows_.begin() + row);
+  if (free_) handles_.erase(handles_.begin() + row);
   g_.resize(start(size()));
   factor(row);
   if (!column) return;

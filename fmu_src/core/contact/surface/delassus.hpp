@@ -9,15 +9,11 @@
 /// they were come by.
 #pragma once
 #include "contact/operations.hpp"
+#include "contact/surface/free_rows.hpp"
 #include "contact/surface/row_factor.hpp"
 #include "model/samples.hpp"
 
 namespace softffd {
-
-struct SurfaceRow {
-  int plane, sample;
-  auto operator<=>(const SurfaceRow&) const = default;
-};
 
 /// GapFunction above a plane, which are linear in those of the control points.
 struct GapFunction {
@@ -36,6 +32,10 @@ class Delassus {
  public:
   explicit Delassus(const Samples& samples) : samples_(&samples) {}
 
+  /// What free bodies yield too, from the next rows on; null: there are none.
+  void set_free(FreeRows* free) { free_ = free; }
+  FreeRows* free() const { return free_; }
+
   /// Inverse masses (points) that all rows are to have from now on; existing rows are made anew.
   void set_masses(const Scalars& inverse);
   /// The planes' unit normals; existing rows are factored anew if one has changed.
@@ -50,10 +50,15 @@ class Delassus {
   /// G of rows s and t at hand.
   double operator()(int s, int t) const { return s < t ? g_[start(t) + s] : g_[start(s) + t]; }
 
+  /// The same in all directions, with what free bodies yield.
+  Eigen::Matrix3d block(int s, int t) const;
+
   /// A row that might be appended: its column of G and what the rows at hand leave of its own compliance.
   struct Column : RowFactor::Column {  ///< of A; its own element is G_ss
     SurfaceRow row;
     std::vector<double> over_mass, g;  ///< W / m; G with the rows at hand
+    double diagonal = 0;               ///< of G
+    Handles handles;
   };
   void prepare(SurfaceRow row, Column& column) const;  ///< all of it
   void project(Column& column) const;                  ///< half, response, left, after rows were dropped
@@ -78,8 +83,10 @@ class Delassus {
   PointRange range() const { return range_; }
   /// Those of its rows, and of who solves for them.
   Operations& operations() const { return operations_; }
-  /// What these forces of all rows move the body by, to (points, 3).
+  /// What these forces of all rows move the body by, to (points, 3), and free bodies, of which the pins' parts take their points along.
   void push(const std::vector<Vec3>& forces, Points& move) const;
+  /// Gaps by what the last push moves the points by, and free obstacles.
+  void move_gaps(const Points& move, std::vector<GapFunction>& gaps) const;
 
  private:
   double between(int p, int q) const;
@@ -88,6 +95,10 @@ class Delassus {
   double element(const SurfaceRow& a, const double* of_a, const SurfaceRow& b, const double* of_b) const;
   void factor(int from);
   void find_range(int from);
+  /// Along the normals, what free bodies yield.
+  double yield(const SurfaceRow& a, const Handles& of_a, const SurfaceRow& b, const Handles& of_b) const {
+    return normals_[a.plane].dot(free_->between(of_a, of_b) * normals_[b.plane]);
+  }
 
   const Samples* samples_;
   Scalars inverse_;
@@ -95,6 +106,8 @@ class Delassus {
   std::vector<double> cosines_;  ///< of the angles between them, (planes * planes), where they are few
   std::vector<SurfaceRow> rows_;
   std::vector<double> over_mass_;  ///< W / m of each row, (support) each
+  FreeRows* free_ = nullptr;
+  std::vector<Handles> handles_;  ///< of the rows, where there are free bodies
   PointRange range_;
   std::vector<double> g_;  ///< lower triangle, row by row
   RowFactor factor_;

@@ -16,6 +16,11 @@ constexpr double no_gain = 1e-10;
 /// Of its limit, friction that a step begins to look at.
 constexpr double most_share = 2;
 
+/// Free bodies to the end of the step, without contact.
+void fly(const StepView& step, std::vector<FreeState>& free) {
+  for (std::size_t k = 0; k < free.size(); ++k) free[k] = step.around.free[k].flown(free[k], step.t1);
+}
+
 }  // namespace
 
 /// Rows of the state, of which those among the candidates can be active.
@@ -53,6 +58,7 @@ SurfaceContact::SurfaceContact(const Body& body, int planes)
       tangents_(samples_, length_),
       drift_(samples_),
       close_(samples_),
+      free_rows_(samples_),
       still_(planes, 0),
       at_hand_(samples_),
       behind_(body.points() / 8 + 1) {
@@ -64,6 +70,39 @@ void SurfaceContact::set_planes() {
   for (const HalfSpace& plane : end_) normals_.push_back(plane.normal);
   drift_.set_planes(normals_, friction_, alone_);
   close_.set_planes(normals_, friction_, alone_);
+}
+
+/// Free bodies yield to the rows of the next stage, which are at x; without any nothing of them is looked at.
+void SurfaceContact::set_free(const Drive& around, const std::vector<FreeState>& free, const Points& x) {
+  if (around.free.empty()) return;
+  free_rows_.set_bodies(around, free, x, 1, true);
+  free_rows_.set_planes(obstacle_);
+  for (SurfaceStage* stage : {&drift_, &close_}) stage->set_free(&free_rows_);
+}
+
+/// What a stage with forces times `rate` gives them, and by which it moves them at once. The arms are those of its rows, so that the angular
+/// momentum of all is kept.
+void SurfaceContact::give_free(const SurfaceStage& stage, const Drive& around, double rate, bool move, std::vector<FreeState>& free) const {
+  for (std::size_t k = 0; k < free.size() && !stage.rows.empty(); ++k) {
+    const auto& [force, torque] = free_rows_.given()[k];
+    around.free[k].push(free[k], rate * force, rate * torque);
+    if (!move) continue;
+    free[k].position += free_rows_.twists()[k].move;
+    if (!free_rows_.twists()[k].turn.isZero(0)) free[k].orientation = turned(free[k].orientation, free_rows_.twists()[k].turn);
+  }
+}
+
+/// The work of contact on free bodies in the step is what they have of kinetic energy beyond the work of their loads.
+void SurfaceContact::book_free(const StepView& step, const std::vector<FreeState>& free, Exchange& exchange) const {
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    const FreeMotion& body = step.around.free[k];
+    const FreeState &start = free_start_[k], &end = free[k];
+    const double loads = 0.5 * step.h *
+                         (body.force().dot(start.velocity + end.velocity) + body.torque().dot(body.spin(start) + body.spin(end)));
+    const double work = body.kinetic_energy(end) - body.kinetic_energy(start) - loads;
+    exchange.work -= work;
+    exchange.dissipated -= work;
+  }
 }
 
 void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h) {
@@ -161,10 +200,13 @@ void SurfaceContact::find(const StepView& step, const Points& x1, const SurfaceR
   near_ = (any && find_heights(x1)) || rows.drift[0] >= 0;
 }
 
-StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange) {
+StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows,
+                                 std::vector<FreeState>& free, Exchange& exchange) {
   touching_.clear();
   known_ = -1;
   places_known_ = false;
+  free_start_ = free;
+  set_free(step.around, free_start_, step.x0);
   if (near_) {
     places_known_ = hold_drift(step, v, x1, rows);
     if (const StepStatus status = places_known_ ? StepStatus::ok : position_stage(step, v, x1, rows); status != StepStatus::ok)
@@ -177,8 +219,12 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
       if (const StepStatus status = pressed_solids(step, drift_); status != StepStatus::ok) return status;
       exchange.dissipated += book(step, drift_, 1 / step.h, exchange);
     }
+    fly(step, free);
+    give_free(drift_, step.around, 1 / step.h, true, free);
     rows.missed = std::max(rows.missed, drift_.missed());
     save(drift_, rows.drift, rows.drift_friction);
+  } else {
+    fly(step, free);
   }
   if (holds_)
     std::erase_if(lasting_, [&, at = touching_.begin()](const Candidate& candidate) mutable {
@@ -206,11 +252,22 @@ void SurfaceContact::allow(double most) {
 
 double SurfaceContact::work() const { return (found_ + drift_.operations().done() + close_.operations().done()) / in_evaluation_; }
 
+/// By which rows have moved any free obstacle [m].
+double SurfaceContact::obstacles_way(const Drive& around) const {
+  double most = 0;
+  for (const FreeMotion& each : around.free) {
+    if (each.body().plane < 0) continue;
+    const Twist& twist = free_rows_.twists()[each.index()];
+    most = std::max(most, twist.move.norm() + around.planes[each.body().plane].size() * twist.turn.norm());
+  }
+  return most;
+}
+
 /// The drift's stage, until no other samples may have come to a solid by it.
 StepStatus SurfaceContact::position_stage(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
   StepStatus status = meet_near(step, v, x1, rows);
   for (int looks = 0; solids_ && status == StepStatus::ok; ++looks) {
-    const double whole = tangents_.way(step.x0, x1 + drift_.move());
+    const double whole = tangents_.way(step.x0, x1 + drift_.move()) + obstacles_way(step.around);
     if (tangents_.covers(whole)) break;
     if (looks == most_looks || spent()) return StepStatus::not_finite;
     find_tangents(step.around, step.t0, step.t1, step.x0, 2 * whole);
@@ -253,7 +310,9 @@ bool SurfaceContact::gains(const StepView& step, const Points& x1) const {
   double gain = 0, size = 0;
   for (std::size_t t = 0; t < drift_.rows.size(); ++t) {
     const auto [plane, sample] = drift_.rows[t];
-    const Vec3 begin = samples_.at(sample, step.x0), end = samples_.at(sample, x1), by = 0.5 * samples_.at(sample, drift_.move());
+    const Vec3 begin = samples_.at(sample, step.x0), end = samples_.at(sample, x1);
+    Vec3 by = 0.5 * samples_.at(sample, drift_.move());
+    if (drift_.free()) by -= 0.5 * drift_.free()->carried(drift_.rows[t]);
     const double each = drift_.force(int(t)).dot(end + by - begin - step.h * middle_[plane].material_velocity(0.5 * (begin + end)));
     gain += each;
     size += std::abs(each);
@@ -277,7 +336,7 @@ double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, dou
     taken.add(-impulse, places_[t] - end_[q].point);
     exchange.touch(obstacle_[q], stage.rows[t].sample, impulse);
     if (step.around.planes[obstacle_[q]].PlaneMotion::solid()) taken.press(end_[q].normal.dot(impulse), places_[t] - end_[q].point);
-    if (q >= flat_ || !still_[q]) work += impulse.dot(end_[q].material_velocity(places_[t]));
+    if ((q >= flat_ || !still_[q]) && !step.around.planes[obstacle_[q]].own) work += impulse.dot(end_[q].material_velocity(places_[t]));
     if (t + 1 < stage.rows.size() && stage.rows[t + 1].plane == q) continue;
     exchange.planes[obstacle_[q]] += taken;
     taken = {};
@@ -338,8 +397,10 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
   return close_.solve(slack_, std::ref(slip_of));
 }
 
-StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange) {
+StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, std::vector<FreeState>& free, Exchange& exchange) {
   if (touching_.empty()) return StepStatus::ok;
+  const std::vector<FreeState> before = free;
+  set_free(step.around, before, step.x0);
   if (holds_) lasting_ = touching_;
   close_.rows = drift_.rows;
   if (!hold_close(step, v, touching_)) {
@@ -352,6 +413,8 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   if (const StepStatus status = pressed_solids(step, close_); status != StepStatus::ok) return status;
   close_.give(1, v);
   exchange.dissipated += book(step, close_, 1, exchange);
+  give_free(close_, step.around, 1, false, free);
+  book_free(step, free, exchange);
   rows.missed = std::max(rows.missed, close_.missed());
   save(close_, rows.close, rows.close_friction);
   return StepStatus::ok;

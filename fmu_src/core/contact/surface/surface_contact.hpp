@@ -48,8 +48,10 @@ class SurfaceContact {
   /// Looks whether the free drift to x1 may bring the surface to an obstacle. rows: of the state.
   void find(const StepView& step, const Points& x1, const SurfaceRows& rows);
   /// Then, as in contact.hpp.
-  StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, Exchange& exchange);
-  StepStatus close(const StepView& step, Points& v, SurfaceRows& rows, Exchange& exchange);
+  /// free: bodies, as they begin the step, that end it as they fly and obstacles, or contact, push them.
+  StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, std::vector<FreeState>& free,
+                   Exchange& exchange);
+  StepStatus close(const StepView& step, Points& v, SurfaceRows& rows, std::vector<FreeState>& free, Exchange& exchange);
   /// Energy that contact took in the step that `close` has ended, less the work of the obstacles' own motion [J], where kicks are those of
   /// kick.hpp. v1: velocities at its end.
   double loss(const StepView& step, const Points& v1) const;
@@ -57,7 +59,10 @@ class SurfaceContact {
   static bool wants_loss(const StepView& step) { return step.around.watch || !step.body.damped; }
   /// Velocities with the samples held that touch at this end of the step, before its drift, and did at the other end, after it; nothing
   /// else changes.
-  StepStatus hold(const StepView& step, Points& v, const SurfaceRows& rows) { return stop(lasting_, step, v, rows); }
+  StepStatus hold(const StepView& step, Points& v, const SurfaceRows& rows, const std::vector<FreeState>& free) {
+    set_free(step.around, free, step.x0);
+    return stop(lasting_, step, v, rows);
+  }
 
   /// Was anything near that was found?
   bool near() const { return near_; }
@@ -78,6 +83,10 @@ class SurfaceContact {
   void load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const;
   void save(const SurfaceStage& stage, std::vector<Count>& numbers, Points& friction) const;
   void set_planes();
+  void set_free(const Drive& around, const std::vector<FreeState>& free, const Points& x);
+  void give_free(const SurfaceStage& stage, const Drive& around, double rate, bool move, std::vector<FreeState>& free) const;
+  double obstacles_way(const Drive& around) const;
+  void book_free(const StepView& step, const std::vector<FreeState>& free, Exchange& exchange) const;
   void move_planes(const StepView& step);
   bool find_heights(const Points& x1);
   void search(int q, const Scalars& gaps, double way);
@@ -120,6 +129,8 @@ class SurfaceContact {
   std::vector<int> obstacle_;  ///< whose plane it is
   std::vector<int> alone_;     ///< of a tangent its sample; -1
   SurfaceStage drift_, close_;
+  FreeRows free_rows_;
+  std::vector<FreeState> free_start_;  ///< at the start of the step
   std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at the start of the step, in its middle, at its end
   std::vector<double> friction_;
   std::vector<char> still_;

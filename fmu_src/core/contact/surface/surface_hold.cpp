@@ -31,7 +31,7 @@ bool SurfaceContact::recall(const std::vector<Count>& numbers, SurfaceStage& sta
 
 /// The drift's stage.
 bool SurfaceContact::hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
-  if (solids_ || !recall(rows.drift, drift_)) return false;
+  if (solids_ || drift_.free() || !recall(rows.drift, drift_)) return false;
   const int q = drift_.rows.front().plane;
   const HalfSpace& plane = end_[q];
   at_hand_.set(drift_.rows);
@@ -89,7 +89,7 @@ bool SurfaceContact::list_held(double h, const Points& v) {
 /// The closing's stage by its rows, where these candidates are to stay in front of their planes.
 bool SurfaceContact::hold_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates) {
   const std::vector<SurfaceRow>& rows = close_.rows;
-  if (rows.empty() || rows.front().plane != rows.back().plane || rows.front().plane >= flat_) return false;
+  if (close_.free() || rows.empty() || rows.front().plane != rows.back().plane || rows.front().plane >= flat_) return false;
   const int own = rows.front().plane;
   const HalfSpace& plane = end_[own];
   const bool turns = !plane.spin.isZero(0);
@@ -138,7 +138,7 @@ bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& fri
     if (near >= 0 || !search_.is_long(q)) return false;
     near = q;
   }
-  if (near < 0 || holds_ || solids_) return false;
+  if (near < 0 || holds_ || solids_ || drift_.free()) return false;
   drift_.candidates.clear();
   const std::vector<int>& list = search_.near(near);
   for (std::size_t t = 0; t < rows.size() && rows[t] >= 0; ++t)

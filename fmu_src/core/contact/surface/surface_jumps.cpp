@@ -21,6 +21,7 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
            deepest >= -std::max(position_slack * (length_ + row(x, 0).norm()), 2 * slack_of_rows());  // what `fit` leaves
   };
   know(around, time);
+  drift_.set_free(nullptr);           // bodies stay where they are
   std::ranges::fill(friction_, 0.0);  // nothing rubs in a jump
   if (clear()) return StepStatus::ok;
   if (body.version != version_) {

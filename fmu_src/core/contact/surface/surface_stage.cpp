@@ -39,9 +39,10 @@ StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const 
   set_.delassus().set_rows(rows);
   p_.assign(rows.size(), Vec3::Zero());
   const bool rubs = std::ranges::any_of(friction_, [](double each) { return each > 0; });
-  const bool at_once = rubs && !parallel();
+  const bool free = set_.delassus().free(), at_once = rubs && (free || !parallel());
   before_ = rows;
-  if (const StepStatus status = at_once ? balance(tolerance, slip) : settle(tolerance); status != StepStatus::ok) return status;
+  const StepStatus status = !at_once ? settle(tolerance) : free ? balance<Eigen::Matrix3d>(tolerance, slip) : balance<double>(tolerance, slip);
+  if (status != StepStatus::ok) return status;
   if (rubs && !at_once) rub(slip);
   share.assign(rows.size(), Vec3::Zero());
   for (std::size_t t = 0; t < rows.size(); ++t)
@@ -102,12 +103,14 @@ void SurfaceStage::rub(const std::function<Vec3(const SurfaceRow&)>& slip) {
 
 /// All forces of the rows at hand together; then the normal forces beside this friction, so that no sample is behind a plane, and again
 /// where that takes other rows.
+template <class Block>
 StepStatus SurfaceStage::balance(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
   force_.assign(rows.size(), Vec3::Zero());
+  auto& [law, problem] = std::get<Law<Block>>(laws_);
   for (int turn = 0; turn < most_turns; ++turn) {
-    state_law(slip, turn == 0);
-    const double left = law_rows_.solve(law_, operations(), force_);
-    missed_ = left > law_.exact ? left / largest_free_ : 0;
+    state_law<Block>(slip, turn == 0);
+    const double left = law.solve(problem, operations(), force_);
+    missed_ = left > problem.exact ? left / largest_free_ : 0;
     for (std::size_t t = 0; t < rows.size(); ++t) p_[t] = tangential(normals_[rows[t].plane], force_[t]);
     const std::vector<SurfaceRow> before = rows;
     if (const StepStatus status = settle(tolerance); status != StepStatus::ok) return status;
@@ -124,31 +127,40 @@ StepStatus SurfaceStage::balance(double tolerance, const std::function<Vec3(cons
 }
 
 /// At the forces at hand, none at first.
+template <class Block>
 void SurfaceStage::state_law(const std::function<Vec3(const SurfaceRow&)>& slip, bool first) {
   const Delassus& g = set_.delassus();
+  auto& problem = std::get<Law<Block>>(laws_).problem;
   const int n = int(rows.size());
-  law_.normals.resize(n);
-  law_.friction.resize(n);
-  law_.g.resize(std::size_t(n) * n);
-  law_.u.resize(n);
-  law_.aims.clear();
+  problem.normals.resize(n);
+  problem.friction.resize(n);
+  problem.g.resize(std::size_t(n) * n);
+  problem.u.resize(n);
+  problem.aims.clear();
   largest_free_ = 0;
   auto at = candidates.begin();
   for (int t = 0; t < n; ++t) {
     const auto [plane, sample] = rows[t];
     while (at->row < rows[t]) ++at;
-    const Vec3& normal = law_.normals[t] = normals_[plane];
-    law_.friction[t] = friction_[plane];
+    const Vec3& normal = problem.normals[t] = normals_[plane];
+    problem.friction[t] = friction_[plane];
     const double gap = begin_[plane].at(g.samples(), sample) - at->bound;
-    law_.u[t] = gap * normal + tangential(normal, slip(rows[t]));
-    largest_free_ = std::max(largest_free_, law_.u[t].norm());
-    for (int u = 0; u <= t; ++u) law_.g[t * n + u] = law_.g[u * n + t] = g(t, u);
+    problem.u[t] = gap * normal + tangential(normal, slip(rows[t]));
+    largest_free_ = std::max(largest_free_, problem.u[t].norm());
+    for (int u = 0; u <= t; ++u) {
+      if constexpr (std::is_same_v<Block, double>) {
+        problem.g[t * n + u] = problem.g[u * n + t] = g(t, u);
+      } else {
+        problem.g[t * n + u] = g.block(t, u);
+        problem.g[u * n + t] = problem.g[t * n + u].transpose();
+      }
+    }
     // what stuck sticks, and what slid slides on
-    if (first) law_.aims.push_back(normal + law_.friction[t] * (share[t].norm() < slid ? 1 : slides_on) * share[t]);
+    if (first) problem.aims.push_back(normal + problem.friction[t] * (share[t].norm() < slid ? 1 : slides_on) * share[t]);
   }
   for (int t = 0; t < n && !first; ++t)
-    for (int u = 0; u < n; ++u) law_.u[t] += law_.g[t * n + u] * force_[u];
-  law_.exact = balanced * largest_free_;
+    for (int u = 0; u < n; ++u) problem.u[t] += problem.g[t * n + u] * force_[u];
+  problem.exact = balanced * largest_free_;
   operations().spend(n * (Operations::of_value + Operations::of_place + 10.0 * n));
 }
 
@@ -185,11 +197,5 @@ void SurfaceStage::find_forces() {
 }
 
 void SurfaceStage::find_move() { set_.delassus().push(force_, move_); }
-
-/// The gaps by this motion.
-void SurfaceStage::add_motion(const Points& move) {
-  operations().spend(4 * double(gaps.size()) * double(move.rows()));
-  for (std::size_t q = 0; q < gaps.size(); ++q) gaps[q].add_motion(set_.delassus().samples(), range(), move, normals_[q]);
-}
 
 }  // namespace softffd

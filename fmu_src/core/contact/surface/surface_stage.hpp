@@ -14,6 +14,7 @@
 /// sides for one factor. That is `hold`, to be tried before `solve`; what other samples do then is for the caller to look at.
 #pragma once
 #include <functional>
+#include <tuple>
 
 #include "contact/coulomb_rows.hpp"
 #include "contact/surface/disk_friction.hpp"
@@ -30,6 +31,7 @@ class SurfaceStage {
   void set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction, const std::vector<int>& samples);
   /// Inverse masses of the control points (points), 0 of pinned ones.
   void set_masses(const Scalars& inverse) { set_.delassus().set_masses(inverse); }
+  void set_free(FreeRows* free) { set_.delassus().set_free(free); }
 
   Operations& operations() const { return set_.delassus().operations(); }
 
@@ -51,6 +53,8 @@ class SurfaceStage {
   double compliance(int t) const { return set_.delassus()(t, t); }
   const Points& move() const { return move_; }                  ///< y - y0
   PointRange range() const { return set_.delassus().range(); }  ///< of the points that move
+  /// Of free bodies, by the forces.
+  const FreeRows* free() const { return set_.delassus().free(); }
   /// v += a (y - y0); and x, where there is one, += y - y0.
   void give(double a, Points& v, Points* x = nullptr) const {
     kernels::move_points(int(v.rows()), range(), move_.data(), a, v.data(), x ? x->data() : nullptr);
@@ -62,12 +66,14 @@ class SurfaceStage {
   double limit(std::size_t t) const { return friction_[rows[t].plane] * set_.forces()[t]; }
   bool parallel() const;
   void rub(const std::function<Vec3(const SurfaceRow&)>& slip);
+  template <class Block>
   StepStatus balance(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
+  template <class Block>
   void state_law(const std::function<Vec3(const SurfaceRow&)>& slip, bool first);
   StepStatus settle(double tolerance);
   void find_forces();
   void find_move();
-  void add_motion(const Points& move);
+  void add_motion(const Points& move) { set_.delassus().move_gaps(move, gaps); }
 
   DualActiveSet set_;
   std::vector<Vec3> normals_;
@@ -78,8 +84,13 @@ class SurfaceStage {
   std::vector<double> limits_;
   std::vector<Vec3> slips_;
   std::vector<SurfaceRow> before_;  ///< rows at the beginning
-  CoulombRows<double> law_rows_;
-  CoulombRows<double>::Problem law_;
+  /// Where masses alone hold the rows, and where free bodies do.
+  template <class Block>
+  struct Law {
+    CoulombRows<Block> rows;
+    typename CoulombRows<Block>::Problem problem;
+  };
+  std::tuple<Law<double>, Law<Eigen::Matrix3d>> laws_;
   Points move_;                  ///< y - y0 by the forces
   std::vector<double> columns_;  ///< (rows, three and one that is not used)
   bool added_ = false;

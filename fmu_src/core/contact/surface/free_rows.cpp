@@ -1,0 +1,110 @@
+#include "contact/surface/free_rows.hpp"
+
+namespace softffd {
+
+namespace {
+
+/// [arm]x, so that it times v is arm x v.
+Eigen::Matrix3d cross(const Vec3& arm) {
+  Eigen::Matrix3d matrix;
+  matrix << 0, -arm[2], arm[1], arm[2], 0, -arm[0], -arm[1], arm[0], 0;
+  return matrix;
+}
+
+}  // namespace
+
+void FreeRows::set_bodies(const Drive& around, const std::vector<FreeState>& states, const Points& x, double scale, bool pins) {
+  around_ = &around;
+  states_ = &states;
+  x_ = &x;
+  known_.clear();
+  yields_.clear();
+  body_of_.assign(around.planes.size(), -1);
+  pins_ = false;
+  for (const FreeMotion& each : around.free) {
+    yields_.push_back({scale * each.inverse_mass(), scale * each.inverse_inertia(states[each.index()])});
+    if (each.body().plane >= 0) body_of_[each.body().plane] = each.index();
+    pins_ = pins_ || (pins && each.body().pin >= 0);
+  }
+  clear_twists();
+}
+
+void FreeRows::clear_twists() {
+  twists_.assign(yields_.size(), {});
+  given_ = twists_;
+}
+
+const Handles& FreeRows::handles(const SurfaceRow& row) {
+  if (int(known_.size()) <= row.plane) known_.resize(row.plane + 1);
+  Known& known = known_[row.plane];
+  if (known.sample != row.sample) known = {row.sample, find_handles(row)};
+  return known.handles;
+}
+
+Handles FreeRows::find_handles(const SurfaceRow& row) const {
+  const int sample = row.sample;
+  Handles found;
+  if (const int k = body_of_[(*obstacles_)[row.plane]]; k >= 0)
+    found.push_back({k, -1, (*states_)[k].position - samples_->at(sample, *x_)});
+  if (!pins_) return found;
+  std::vector<double> weights(samples_->support());
+  Scalars of_points = Scalars::Zero(x_->rows());
+  samples_->weights(sample, Scalars::Ones(x_->rows()), weights.data());
+  samples_->add(sample, 1, weights.data(), of_points.data());
+  for (const FreeMotion& each : around_->free) {
+    if (each.body().pin < 0) continue;
+    Handle handle{.body = each.index()};
+    for (const int p : around_->pins[each.body().pin].points) {
+      handle.share += of_points[p];
+      handle.arm += of_points[p] * (softffd::row(*x_, p) - (*states_)[each.index()].position);
+    }
+    if (handle.share != 0 || !handle.arm.isZero(0)) found.push_back(handle);
+  }
+  return found;
+}
+
+Eigen::Matrix3d FreeRows::between(const Handles& a, const Handles& b) const {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const Handle& one : a)
+    for (const Handle& other : b) {
+      if (one.body != other.body) continue;
+      const auto& [mass, inertia] = yields_[one.body];
+      sum += one.share * other.share * mass + cross(one.arm).transpose() * inertia * cross(other.arm);
+    }
+  return sum;
+}
+
+void FreeRows::find_twists(const std::vector<Handles>& handles, const std::vector<Vec3>& forces) {
+  clear_twists();
+  for (std::size_t t = 0; t < forces.size(); ++t)
+    for (const Handle& each : handles[t]) add(each, forces[t]);
+}
+
+void FreeRows::add_force(const SurfaceRow& row, const Vec3& force) {
+  for (const Handle& each : handles(row)) add(each, force);
+}
+
+void FreeRows::add(const Handle& handle, const Vec3& force) {
+  Twist& given = given_[handle.body];
+  given.move += handle.share * force;
+  given.turn += handle.arm.cross(force);
+  const auto& [mass, inertia] = yields_[handle.body];
+  twists_[handle.body] = {mass * given.move, inertia * given.turn};
+}
+
+void FreeRows::move_pins(Points& move) const {
+  if (!pins_) return;
+  for (const FreeMotion& each : around_->free) {
+    if (each.body().pin < 0) continue;
+    const Vec3& centre = (*states_)[each.index()].position;
+    for (const int p : around_->pins[each.body().pin].points) set_row(move, p, twists_[each.index()].at(row(*x_, p) - centre));
+  }
+}
+
+Vec3 FreeRows::carried(const SurfaceRow& row) const {
+  const int k = body_of_[(*obstacles_)[row.plane]];
+  if (k < 0) return Vec3::Zero();
+  return twists_[k].at(samples_->at(row.sample, *x_) - (*states_)[k].position);
+}
+
+}  // namespace softffd

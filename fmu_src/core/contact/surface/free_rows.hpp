@@ -1,0 +1,81 @@
+/// What rows of contact do to free bodies: obstacles that they push, and parts that pins hold points of their samples on.
+///
+/// A force f on the object in row b gives free body k the force s_b f and the torque r_b x f about its centre; the row sees the body's
+/// twist as s_b move + turn x r_b,
+///
+///      an obstacle:   s = -1,                     r = -(Q_s(x) - X)
+///      a pin's part:  s = sum of W_si,            r = sum of W_si (x_i - X),       over the points that the pin holds,
+///
+/// so that rows a and b move each other, beside what the masses of the points let them, by C_ab f with
+///
+///      C_ab = sum over k of s_a s_b / M + [r_a]x' I^-1 [r_b]x.
+#pragma once
+#include <array>
+
+#include "contact/surface/surface_row.hpp"
+#include "model/drive.hpp"
+#include "model/samples.hpp"
+
+namespace softffd {
+
+/// How a row acts on a free body.
+struct Handle {
+  int body = -1;
+  double share = 0;
+  Vec3 arm = Vec3::Zero();
+};
+/// On its obstacle, and on the parts of the pins.
+using Handles = std::vector<Handle>;
+
+class FreeRows {
+ public:
+  explicit FreeRows(const Samples& samples) : samples_(&samples) {}
+
+  /// The bodies in these states, rows being at x; what they yield is `scale` times their inverse masses. pins: their parts too, where
+  /// nothing else lets them move. Read until the next call.
+  void set_bodies(const Drive& around, const std::vector<FreeState>& states, const Points& x, double scale, bool pins);
+  /// obstacles: whose plane each is; read whenever a row is looked at.
+  void set_planes(const std::vector<int>& obstacles) { obstacles_ = &obstacles; }
+  bool any() const { return !yields_.empty(); }
+  bool any_pin() const { return pins_; }
+
+  const Handles& handles(const SurfaceRow& row);
+  Eigen::Matrix3d between(const Handles& a, const Handles& b) const;
+
+  /// Of each body, by forces f of rows with these handles.
+  void find_twists(const std::vector<Handles>& handles, const std::vector<Vec3>& forces);
+  void clear_twists();
+  void add_force(const SurfaceRow& row, const Vec3& force);  ///< the same of one more row
+  const std::vector<Twist>& twists() const { return twists_; }
+  /// Adds to a motion of the points what the parts take the points of their pins by.
+  void move_pins(Points& move) const;
+  /// By which a row's obstacle moves at its sample, 0 of those that are not free [m].
+  Vec3 carried(const SurfaceRow& row) const;
+  /// What all rows gave each body, summed: forces in `move`, torques in `turn`.
+  const std::vector<Twist>& given() const { return given_; }
+
+ private:
+  void add(const Handle& handle, const Vec3& force);
+
+  struct Yield {
+    Eigen::Matrix3d mass, inertia;  ///< inverse ones, scaled
+  };
+  const Samples* samples_;
+  const std::vector<int>* obstacles_ = nullptr;
+  const Drive* around_ = nullptr;
+  const std::vector<FreeState>* states_ = nullptr;
+  const Points* x_ = nullptr;
+  /// Of a row that was asked for, by its plane.
+  struct Known {
+    int sample = -1;
+    Handles handles;
+  };
+  Handles find_handles(const SurfaceRow& row) const;
+  std::vector<Known> known_;
+  std::vector<Yield> yields_;
+  std::vector<int> body_of_;  ///< (obstacles) -1: not free
+  std::vector<Twist> twists_, given_;
+  bool pins_ = false;
+};
+
+}  // namespace softffd
