@@ -23,7 +23,7 @@ inline constexpr std::string_view methods[] = {
 """
 
 INFO = """
-/// One row of the table. Name placeholders: {i} {j} {k} {name} {obstacle} {c}.
+/// One row of the table. Name placeholders: {i} {j} {k} {name} {obstacle} {body} {c}.
 struct FamilyInfo {
   Family family;
   std::string_view name;

@@ -21,11 +21,19 @@ from softffd.scene import selection
 from softffd.scene.faults import toml_text
 from softffd.scene.keys import SceneKeys
 
+FREE = '`[[sphere]]`, `[[cylinder]]`, `[[box]]` or `[[pin]]` with `motion = "free"`'
+FREE_OBSTACLE = '`[[sphere]]`, `[[cylinder]]` or `[[box]]` with `motion = "free"`'
 PRESENT = {
     "forces": "each control point of `inputs.forces`",
     "loads": "each `[[load]]`",
     "input_planes": 'each component in `inputs` of a `[[plane]]`, `[[sphere]]`, `[[cylinder]]` or `[[box]]` with `motion = "input"`',
     "fixed_planes": "each other component of a `[[plane]]`, `[[sphere]]`, `[[cylinder]]` or `[[box]]`",
+    "input_motions": 'each component in `inputs` of a `[[plane]]`, `[[sphere]]`, `[[cylinder]]` or `[[box]]` with `motion = "input"`',
+    "fixed_motions": "each other component of a `[[plane]]`, `[[sphere]]`, `[[cylinder]]` or `[[box]]` that is not free",
+    "free_bodies": f"each {FREE}",
+    "turning_bodies": f"each {FREE} and no `guide`",
+    "free_obstacles": f"each {FREE_OBSTACLE}",
+    "turning_obstacles": f"each {FREE_OBSTACLE} and no `guide`",
     "input_normals": 'each component in `inputs` of a `[[plane]]`, `[[sphere]]` or `[[cylinder]]` with `motion = "input"`',
     "fixed_normals": "each other component of a `[[plane]]`, `[[sphere]]` or `[[cylinder]]`",
     "input_boxes": 'each component in `inputs` of a `[[box]]` with `motion = "input"`',
@@ -53,7 +61,11 @@ PRESENT = {
     "sensors": "each `[[sensor]]`",
     "taxels": "each taxel of a `[[sensor]]`",
     "plane_reactions": "each `[[plane]]`, `[[sphere]]`, `[[cylinder]]` or `[[box]]`, `outputs.reactions`",
+    "plane_torques": "each `[[plane]]`, `[[sphere]]`, `[[cylinder]]` or `[[box]]` that is not free, `outputs.reactions`",
     "pin_reactions": "each `[[pin]]`, `outputs.reactions`",
+    "pin_torques": "each `[[pin]]` that is not free, `outputs.reactions`",
+    "free_plane_reactions": f"each {FREE_OBSTACLE}, `outputs.reactions`",
+    "free_pin_reactions": 'each `[[pin]]` with `motion = "free"`, `outputs.reactions`',
     "energy": "`outputs.energy`",
     "energy_gravity": "`outputs.energy` and gravity",
     "solver": "`outputs.solver`",
@@ -99,7 +111,8 @@ The FMU has only the variables that its scene needs; `softffd info SCENE` lists 
 | `.x` `.y` `.z` | a vector in the world frame, one variable for each component |
 | `plane.NAME` | a plane; the variables of a `[[sphere]]`, `[[cylinder]]` or `[[box]]` are the same under their own kind: \
 `sphere.NAME.point.x`, \
-`cylinder.NAME.reaction.z`, `box.NAME.friction` |
+`cylinder.NAME.reaction.z`, `box.NAME.friction`; those that only free bodies have stand under `box.NAME`, and a free `[[pin]]` has them \
+as `pin.NAME` |
 
 The variables of a line below are one block of value references. With `[fmu] names = "flat"` names have letters, digits and underscores
 only: `position_i_j_k_x` in place of `position[i,j,k].x`, `plane_NAME_point_z` in place of `plane.NAME.point.z`. The value references are
@@ -175,7 +188,8 @@ def _variable(row: dict[str, Any]) -> list[str]:
     methods = list_of_values({method["key"]: method["value"] for method in table()["method"]})
     words = {
         "name": "NAME",
-        "obstacle": "box.NAME" if row["part"].endswith("_boxes") else "plane.NAME",
+        "obstacle": "box.NAME" if row["part"].endswith(("_boxes", "_obstacles")) or row["part"] == "free_plane_reactions" else "plane.NAME",
+        "body": "box.NAME",
         "i": "i",
         "j": "j",
         "k": "k",

@@ -1,8 +1,8 @@
 """Names of variables: the table's rows turned into names and names into rows, here and nowhere else.
 
 A row's name is a pattern (variables.toml): `position[{i},{j},{k}].{c}`, `{obstacle}.point.{c}`, `pin.{name}.position.{c}`,
-`stiffness.edge`. What stands for {i},{j},{k}, for {obstacle} or for KIND.{name} is the *instance*: a control point (i, j, k), or a part, an
-obstacle, pin, load, probe or sensor with its kind and its name, or a taxel, the cell {i},{j} of a sensor; {c} is the *component*.
+`stiffness.edge`. What stands for {i},{j},{k}, for {obstacle}, {body} or for KIND.{name} is the *instance*: a control point (i, j, k), or a
+part, an obstacle, pin, load, probe or sensor with its kind and its name, or a taxel, the cell {i},{j} of a sensor; {c} is the *component*.
 Names have two forms, of which a scene chooses one for its FMU (fmu.names): *structured* as in the table, and *flat*, with underscores in
 the place of points, commas and brackets: `position_0_1_2_x`, `plane_ground_point_z`. Either form is understood wherever names are read.
 A flat name is that of the part with the shortest name it can be of: `plane_a_angular_velocity_x` belongs to the plane a. A scene with flat
@@ -26,6 +26,8 @@ IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
 
 OBSTACLES = ("plane", "sphere", "cylinder", "box")
 """Kinds of obstacles"""
+BODIES = (*OBSTACLES[1:], "pin")
+"""Kinds of parts that may have a mass of their own"""
 
 PROBED = ("stress", "von_mises", "stretch", "velocity", "acceleration")
 """What a probe may show beside its place"""
@@ -252,7 +254,7 @@ def _stem(row: dict[str, Any], instance: Instance) -> str:
     if isinstance(instance, Cell):
         return pattern.format(name=instance.name, i=instance.i, j=instance.j)
     if isinstance(instance, Part):
-        return pattern.format(name=instance.name, obstacle=instance, i=0, j=0)
+        return pattern.format(name=instance.name, obstacle=instance, body=instance, i=0, j=0)
     if isinstance(instance, tuple):
         i, j, k = instance
         return pattern.format(i=i, j=j, k=k)
@@ -270,8 +272,9 @@ def _row(family: str) -> dict[str, Any]:
 
 def _kinds(row: dict[str, Any]) -> tuple[str, ...]:
     """The kinds of parts that the row's variables belong to; empty where they belong to control points or to the whole."""
-    if "{obstacle}" in row["name"]:
-        return OBSTACLES
+    for placeholder, kinds in (("{obstacle}", OBSTACLES), ("{body}", BODIES)):
+        if placeholder in row["name"]:
+            return kinds
     return (row["name"].partition(".")[0],) if "{name}" in row["name"] else ()
 
 
@@ -291,7 +294,7 @@ def _shapes() -> dict[str, list[tuple[str, str, str]]]:
         words = {"{name}": f"(?P<name>{IDENTIFIER})", "{c}": f"(?P<c>[{row.get('components', '')}])"}
         words |= {f"{{{axis}}}": f"(?P<{axis}>{_INDEX})" for axis in "ijk"}
         for kind in _kinds(row) or ("",):
-            whole = row["name"].replace("{obstacle}", f"{kind}.{{name}}")
+            whole = row["name"].replace("{obstacle}", f"{kind}.{{name}}").replace("{body}", f"{kind}.{{name}}")
             for shape in (whole, flat_form(whole)):
                 pattern = "".join(words.get(piece) or re.escape(piece) for piece in re.split(r"(\{\w+\})", shape))
                 if pattern not in known:

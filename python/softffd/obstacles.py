@@ -1,5 +1,6 @@
 """Obstacles as pictures need them."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -22,6 +23,18 @@ class SolidShape:
     def length(self) -> float:
         """Of a cylinder [m]."""
         return self.size[2]
+
+    @property
+    def volume(self) -> float:
+        """[m3]"""
+        x, y, z = self.size
+        return {"sphere": math.pi / 6, "cylinder": math.pi / 4, "box": 1.0}[self.kind] * x * y * z
+
+    def inertia(self, mass: float) -> tuple[float, float, float]:
+        """Moments of inertia of this mass [kg], spread evenly, about its own axes through its centre [kg m2]."""
+        each = {"sphere": (1 / 20,) * 3, "cylinder": (1 / 16, 1 / 16, 1 / 12), "box": (1 / 12,) * 3}[self.kind]
+        x, y, z = (mass * factor * side**2 for factor, side in zip(each, self.size, strict=True))
+        return y + z, x + z, x + y
 
     def __str__(self) -> str:
         """As in "sphere ball of radius 0.6 m"."""

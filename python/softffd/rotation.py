@@ -58,6 +58,13 @@ def matrix_of(orientation: np.ndarray) -> np.ndarray:
     return turned(np.eye(3), between_orientations(np.eye(4)[0], orientation)).T
 
 
+def matrices(orientations: np.ndarray) -> np.ndarray:
+    """The rotation matrices (T, 3, 3) of unit quaternions (T, 4) (w, x, y, z)."""
+    scalar, vector = orientations[:, None, :1], orientations[:, None, 1:]
+    axes = np.eye(3) + 2 * np.cross(vector, np.cross(vector, np.eye(3)) + scalar * np.eye(3))
+    return axes.swapaxes(1, 2)
+
+
 def vector_of(matrix: np.ndarray) -> np.ndarray:
     """The shortest rotation vector (3,) [rad] of a rotation matrix (3, 3)."""
     return between_orientations(np.eye(4)[0], quaternions(matrix[None])[0])

@@ -29,7 +29,7 @@ AT_POINT, NAMED = ("force", "position", "velocity"), ("load", "pin", "probe", "s
 
 def instance_of(row):
     kind = row["name"].partition(".")[0].partition("[")[0]
-    kind = "sphere" if kind == "{obstacle}" else kind
+    kind = "sphere" if kind in ("{obstacle}", "{body}") else kind
     if "[{i},{j}]" in row["name"]:
         return Cell("point", 3, 0)
     return (3, 0, 12) if kind in AT_POINT else Part(kind, "point") if kind in ("sphere", *NAMED) else None
@@ -38,10 +38,12 @@ def instance_of(row):
 @pytest.mark.parametrize("row", table()["family"], ids=lambda row: row["key"])
 def test_every_row_s_names_come_back_as_its_instance_and_component(row):
     instance = instance_of(row)
-    first_of_that_name = next(other for other in table()["family"] if other["name"] == row["name"])
+    of_obstacle = row["name"].replace("{body}", "{obstacle}")
+    first_of_that_name = next(other for other in table()["family"] if other["name"] in (of_obstacle, row["name"]))
     names = vector_names(row["key"], instance)
     assert names == [
-        row["name"].format(i=3, j=0, k=12, name="point", obstacle="sphere.point", c=c) for c in row.get("components", "") or ("",)
+        row["name"].format(i=3, j=0, k=12, name="point", obstacle="sphere.point", body="sphere.point", c=c)
+        for c in row.get("components", "") or ("",)
     ]
     for name, component in zip(names, row.get("components", "") or ("",), strict=True):
         assert parse_name(name) == Name(first_of_that_name["key"], instance, component)

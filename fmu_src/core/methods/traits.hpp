@@ -41,6 +41,10 @@ inline bool is_implicit(Method method) { return traits(method).solves; }
 inline bool passes_over_vibrations(Method method) { return traits(method).passes_over_vibrations; }
 /// May it be asked for where obstacles meet samples of the surface? Leapfrog and backward Euler know them, and take over from others.
 inline bool meets_surface(Method method) { return method != Method::central_difference; }
+/// May it be asked for beside free bodies? These phases push them back.
+inline bool takes_free_bodies(Method method) {
+  return method == Method::automatic || method == Method::leapfrog || method == Method::sdirk2;
+}
 /// Whether a solid may be asked for beside it: the central difference is as published, and matrices are not for the widest lattices.
 bool takes_solid(Method method, const Lattice& lattice);
 

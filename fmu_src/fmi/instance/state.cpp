@@ -65,6 +65,9 @@ void pass(Archive& archive, Whole& whole) {
 
 namespace {
 
+/// By how much the square of a quaternion's size may differ from 1.
+constexpr double of_a_unit = 1e-6;
+
 bool sound(const InEffect& s) {
   const auto weight = [](double value) { return std::isfinite(value) && value >= 0; };
   return weight(s.mass) && s.mass > 0 && weight(s.edge) && weight(s.face) && weight(s.body) && weight(s.modulus) &&
@@ -95,13 +98,20 @@ bool sound(const ContactSteps& steps) {
   return counter(steps.free) && counter(steps.free_next) && counter(steps.impact) && counter(steps.impact_next) && counter(steps.seen);
 }
 
+bool sound(const FreeState& free) {
+  const double size = Eigen::Map<const Eigen::Vector4d>(free.orientation.data()).squaredNorm();
+  return std::isfinite(free.time) && free.position.allFinite() && free.velocity.allFinite() && free.momentum.allFinite() &&
+         std::abs(size - 1) < of_a_unit;
+}
+
 bool sound(const Run& run) {
   const Clock& clock = run.path.clock;
   return sound(run.path.stiff) && sound(run.course.contact) && counter(clock.count) && clock.parts > 0 && counter(clock.parts) &&
          counter(run.path.steps) && counter(run.course.rejected) && counter(run.course.factored.uses) &&
          run.energy.step_factor >= thresholds::least_step_factor && run.energy.step_factor <= 1 && run.path.motion.x.allFinite() &&
          run.path.motion.v.allFinite() && run.exchange_time > 0 && counter(run.contacts_resolved) &&
-         counter(run.path.exchange.contacts_resolved) && std::all_of(run.contacts.begin(), run.contacts.end(), counter);
+         counter(run.path.exchange.contacts_resolved) && std::all_of(run.contacts.begin(), run.contacts.end(), counter) &&
+         std::ranges::all_of(run.path.motion.free, [](const FreeState& free) { return sound(free); });
 }
 
 bool sound(const Whole& whole, const Variables& variables) {

@@ -23,6 +23,8 @@ namespace {
 
 /// By how much of a side rounding may take a sample out of the box.
 constexpr double outside = 1e-9;
+/// Of the square of a unit vector.
+constexpr double rounding = 1e-12;
 /// Along a side of a sensor.
 constexpr int most_taxels = 64;
 
@@ -101,6 +103,23 @@ void read_pin_start(Record& r, SceneFile& s) {
   start.position = r.vector();
   for (double& component : start.orientation) component = r.number();
 }
+/// The obstacle or pin of the record before is a free body.
+template <class Moved>
+void make_free(Record& r, SceneFile& s, std::vector<Moved>& list, FreeBody body) {
+  if (list.empty() || list.back().moved_by_input || list.back().free >= 0) r.fail("there is nothing before it that may be free");
+  list.back().free = int(s.definition.free.size());
+  body.mass = r.positive();
+  for (double& moment : body.inertia) moment = r.positive();
+  body.guide = r.vector();
+  if (body.guided() && !(std::abs(body.guide.squaredNorm() - 1) < rounding)) r.fail("the guide is no unit vector");
+  s.definition.free.push_back(body);
+}
+void read_free(Record& r, SceneFile& s) {
+  if (!s.pins.empty()) r.fail("a free obstacle comes after a pin");
+  if (!s.planes.empty() && !s.planes.back().solid()) r.fail("a plane is not free");
+  make_free(r, s, s.planes, {.plane = int(s.planes.size()) - 1});
+}
+void read_pin_free(Record& r, SceneFile& s) { make_free(r, s, s.pins, {.pin = int(s.pins.size()) - 1}); }
 bool is_pose(std::string_view kind, std::string_view word) {
   for (const FamilyInfo& info : families)
     for (char c : info.components)
@@ -217,9 +236,11 @@ constexpr Reader readers[] = {
     {"plane_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.planes, "{obstacle}."); }},
     {"solid", read_solid},
     {"box", read_box},
+    {"free", read_free},
     {"pin", read_pin},
     {"pin_origin", read_pin_origin},
     {"pin_start", read_pin_start},
+    {"pin_free", read_pin_free},
     {"pin_inputs", [](Record& r, SceneFile& s) { read_inputs(r, s.pins, "pin."); }},
     {"load", read_load},
     {"probe",
@@ -286,6 +307,8 @@ void check_complete(const SceneFile& s) {
   if (s.modulus && s.definition.topology != Topology::distinct)
     throw SceneFileError("resources/scene.txt: springs of a modulus are of the topology distinct");
   check_solid(s);
+  if (!s.definition.free.empty() && !takes_free_bodies(Method(s.method - 1)))
+    throw SceneFileError("resources/scene.txt: the method does not support free bodies; wanted auto, leapfrog or sdirk2");
 }
 
 /// Equally; of a solid by the nodes' parts of the volume, which on a face makes a uniform traction.

@@ -26,6 +26,7 @@ struct SceneFile {
   struct Plane : PlaneMotion {
     std::string name;
     Chosen inputs;
+    int free = -1;  ///< among the definition's free bodies; -1: it is none of them
     std::string kind() const { return !solid() ? "plane" : box() ? "box" : length > 0 ? "cylinder" : "sphere"; }
     std::string path() const { return kind() + "." + name; }  ///< with which the names of its variables begin
   };
@@ -34,6 +35,8 @@ struct SceneFile {
     bool moved_by_input = false;
     Chosen inputs;
     std::optional<PinMotion> start;  ///< pose at the start; absent: that of rest
+    int free = -1;                   ///< as of a plane
+    std::string path() const { return "pin." + name; }
   };
   struct Load {
     std::string name;

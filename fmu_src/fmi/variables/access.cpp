@@ -38,7 +38,7 @@ Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) 
 bool Variables::method_fits(double value) const {
   if (!(value >= 1 && value <= method_count)) return false;
   const Method method = Method(int(value) - 1);
-  return (!scene_.definition.samples || meets_surface(method)) &&
+  return (!scene_.definition.samples || meets_surface(method)) && (scene_.definition.free.empty() || takes_free_bodies(method)) &&
          (!scene_.definition.solid() || takes_solid(method, scene_.definition.lattice));
 }
 
@@ -48,9 +48,10 @@ void Variables::check_method(double method) const {
   for (int value = 1; value <= method_count; ++value)
     if (method_fits(value)) wanted.append(wanted.empty() ? "" : ", ").append(std::to_string(value) + " ").append(methods[value - 1]);
   throw CallError(std::string(families[row_of(Family::solver_method)].name) + ": wanted one of " + wanted +
-                  (scene_.definition.solid()   ? " (the body is a solid)"
-                   : scene_.definition.samples ? " (contact is of the surface)"
-                                               : "") +
+                  (!scene_.definition.free.empty() ? " (a body is free)"
+                   : scene_.definition.solid()     ? " (the body is a solid)"
+                   : scene_.definition.samples     ? " (contact is of the surface)"
+                                                   : "") +
                   ", got " + shortest(method));
 }
 

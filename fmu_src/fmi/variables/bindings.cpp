@@ -26,14 +26,40 @@ std::vector<int> moved(const SceneFile& s) {
   return members;
 }
 
-std::vector<int> planes_that(const SceneFile& s, bool are_boxes) {
+template <class List, class Test>
+std::vector<int> those(const List& list, Test test) {
   std::vector<int> members;
-  for (std::size_t q = 0; q < s.planes.size(); ++q)
-    if (s.planes[q].box() == are_boxes) members.push_back(int(q));
+  for (std::size_t n = 0; n < list.size(); ++n)
+    if (test(list[n])) members.push_back(int(n));
   return members;
 }
-std::vector<int> with_normal(const SceneFile& s) { return planes_that(s, false); }
-std::vector<int> boxes(const SceneFile& s) { return planes_that(s, true); }
+template <bool are_boxes>
+std::vector<int> planes_that(const SceneFile& s) {
+  return those(s.planes, [](const auto& plane) { return plane.box() == are_boxes; });
+}
+
+/// Of planes or pins, those that are free bodies or those that are not.
+template <auto list, bool are_free>
+std::vector<int> free_ones(const SceneFile& s) {
+  return those(s.*list, [](const auto& one) { return (one.free >= 0) == are_free; });
+}
+template <auto list, bool are_free>
+std::vector<int> reacting_ones(const SceneFile& s) {
+  return s.reactions ? free_ones<list, are_free>(s) : std::vector<int>();
+}
+std::vector<int> bodies(const SceneFile& s) {
+  return those(s.definition.free, [](const FreeBody&) { return true; });
+}
+std::vector<int> turning_bodies(const SceneFile& s) {
+  return those(s.definition.free, [](const FreeBody& body) { return !body.guided(); });
+}
+std::vector<int> turning_obstacles(const SceneFile& s) {
+  return those(s.planes, [&](const auto& plane) { return plane.free >= 0 && !s.definition.free[plane.free].guided(); });
+}
+std::string body(const SceneFile& s, int member) {
+  const FreeBody& free = s.definition.free[member];
+  return free.plane >= 0 ? s.planes[free.plane].path() : s.pins[free.pin].path();
+}
 
 template <auto list>
 bool by_input(const SceneFile& s, int member, std::string_view component) {
@@ -80,12 +106,14 @@ constexpr PartBinding part_bindings[] = {
     {Part::forces, listed<&SceneFile::forces>, nullptr, true},
     {Part::loads, all<&SceneFile::loads>, name_in<&SceneFile::loads>},
     {Part::input_planes, all<planes>, obstacle, false, nullptr, by_input<planes>},
-    {Part::input_normals, with_normal, obstacle, false, nullptr, by_input<planes>},
-    {Part::input_boxes, boxes, obstacle, false, nullptr, by_input<planes>},
+    {Part::input_normals, planes_that<false>, obstacle, false, nullptr, by_input<planes>},
+    {Part::input_boxes, planes_that<true>, obstacle, false, nullptr, by_input<planes>},
+    {Part::input_motions, free_ones<planes, false>, obstacle, false, nullptr, by_input<planes>},
     {Part::input_pins, moved<pins>, name_in<pins>, false, nullptr, by_input<pins>},
     {Part::fixed_planes, all<planes>, obstacle, false, nullptr, by_input<planes>},
-    {Part::fixed_normals, with_normal, obstacle, false, nullptr, by_input<planes>},
-    {Part::fixed_boxes, boxes, obstacle, false, nullptr, by_input<planes>},
+    {Part::fixed_normals, planes_that<false>, obstacle, false, nullptr, by_input<planes>},
+    {Part::fixed_boxes, planes_that<true>, obstacle, false, nullptr, by_input<planes>},
+    {Part::fixed_motions, free_ones<planes, false>, obstacle, false, nullptr, by_input<planes>},
     {Part::fixed_pins, moved<pins>, name_in<pins>, false, nullptr, by_input<pins>},
     {Part::planes, all<planes>, obstacle},
     {Part::always, [](const SceneFile&) { return one_if(true); }},
@@ -111,11 +139,19 @@ constexpr PartBinding part_bindings[] = {
     {Part::taxels, all<&SceneFile::taxels>, [](const SceneFile& s, int member) { return s.sensors[s.taxels[member].sensor]; }, false,
      [](const SceneFile& s, int member) { return s.taxels[member].at; }},
     {Part::plane_reactions, reacting<planes>, obstacle},
+    {Part::plane_torques, reacting_ones<planes, false>, obstacle},
     {Part::pin_reactions, reacting<pins>, name_in<pins>},
+    {Part::pin_torques, reacting_ones<pins, false>, name_in<pins>},
     {Part::energy, [](const SceneFile& s) { return one_if(s.energy); }},
     {Part::energy_gravity, [](const SceneFile& s) { return one_if(s.energy && s.gravity); }},
     {Part::solver, [](const SceneFile& s) { return one_if(s.solver); }},
     {Part::error_estimate, [](const SceneFile& s) { return one_if(s.error_estimate); }},
+    {Part::free_bodies, bodies, body},
+    {Part::turning_bodies, turning_bodies, body},
+    {Part::free_obstacles, free_ones<planes, true>, obstacle},
+    {Part::turning_obstacles, turning_obstacles, obstacle},
+    {Part::free_plane_reactions, reacting_ones<planes, true>, obstacle},
+    {Part::free_pin_reactions, reacting_ones<pins, true>, name_in<pins>},
 };
 
 constexpr bool every_part_is_bound() {
@@ -134,6 +170,11 @@ double* of_pin(Settings& s, int a) {
   return (s.pins[a].*field).data();
 }
 
+template <auto field>
+double* of_free(Settings& s, int k) {
+  return (s.free[k].*field).data();
+}
+
 /// Families whose values go into the settings in a way of their own (Variables::apply).
 constexpr Binding spread(Family family) { return {.family = family}; }
 constexpr Binding setting(Family family, Binding::Place place, Binding::Place rate = nullptr) {
@@ -143,6 +184,7 @@ constexpr Binding output(Family family, Binding::Output output, Binding::Output 
   return {.family = family, .is_output = true, .output = output, .rate_output = rate};
 }
 MaterialState material_at(const Observed& o, int probe) { return o.body.solid()->at(o.places[probe], o.body.state().x); }
+const FreeState& free_state(const Observed& o, int k) { return o.body.state().free[k]; }
 const PointReading& followed(const Observed& o, int probe) { return o.body.readings().followed(o.followed[probe]); }
 template <int row, int column>
 constexpr Binding stress(Family family) {
@@ -234,6 +276,19 @@ constexpr std::array<Binding, family_count> bindings{
         [](const Observed&, int, int) { return 0.0; }),  // costs as much as a step, and nobody extrapolates it
     output(Family::solver_folded_cells, [](const Observed& o, int, int) { return double(o.body.readings().folded_cells()); }),
     output(Family::solver_error_estimate, [](const Observed& o, int, int) { return o.estimate->value(); }),
+    setting(Family::body_force, of_free<&FreeLoad::force>),
+    setting(Family::body_torque, of_free<&FreeLoad::torque>),
+    setting(Family::start_velocity, of_plane<&PlaneMotion::velocity>),
+    setting(Family::start_angular_velocity, of_plane<&PlaneMotion::angular_velocity>),
+    setting(Family::body_mass, [](Settings& s, int k) { return &s.free[k].mass; }),
+    output(
+        Family::body_position, [](const Observed& o, int k, int axis) { return free_state(o, k).position[axis]; },
+        [](const Observed& o, int k, int axis) { return free_state(o, k).velocity[axis]; }),
+    output(Family::body_orientation, [](const Observed& o, int k, int c) { return free_state(o, k).orientation[c]; }),
+    output(Family::body_velocity, [](const Observed& o, int k, int axis) { return free_state(o, k).velocity[axis]; }),
+    output(Family::body_angular_velocity, [](const Observed& o, int k, int axis) { return o.body.angular_velocity(k)[axis]; }),
+    output(Family::free_plane_torque, [](const Observed& o, int q, int axis) { return o.body.readings().plane_torque(q)[axis]; }),
+    output(Family::free_pin_torque, [](const Observed& o, int a, int axis) { return o.body.readings().pin_torque(a)[axis]; }),
 };
 
 namespace {

@@ -145,7 +145,7 @@ std::string Variables::name(fmi2ValueReference reference) const {
     replace(text, "{j}", std::to_string(at[1]));
   }
   if (part.name)
-    for (const char* placeholder : {"{name}", "{obstacle}"}) replace(text, placeholder, part.name(scene_, own));
+    for (const char* placeholder : {"{name}", "{obstacle}", "{body}"}) replace(text, placeholder, part.name(scene_, own));
   if (!info.components.empty()) replace(text, "{c}", std::string(1, info.components[variable->component()]));
   return scene_.flat_names ? flat(std::move(text)) : text;
 }
@@ -215,6 +215,18 @@ bool Variables::apply(Settings& settings) {
   if (scene_.rotation) turn_fixed_pins(settings);
   values_.changed = false;
   return std::exchange(values_.material_changed, false);
+}
+
+void Variables::apply_mean_loads(Settings& settings, double step) const {
+  if (!values_.rated) return;
+  for (const Family family : {Family::body_force, Family::body_torque}) {
+    const std::size_t row = row_of(family);
+    for (int index = 0; index < count(row); ++index) {
+      const Variable each = variable(row, index);
+      bindings[row].place(settings, member(each))[each.component()] =
+          values_.numbers[row][index] + 0.5 * step * values_.rates[0][row][index];
+    }
+  }
 }
 
 /// Most runs have no rates: what is 0 is not made 0 again.

@@ -13,6 +13,7 @@ from softffd.accuracy.reference import find_reference
 from softffd.accuracy.rig import NOTHING_MOVES, Rig, Setting, TooLong
 from softffd.errors import FmuError
 from softffd.run.progress import Note, silent
+from softffd.scene.checks_free import METHODS as WITH_FREE_BODIES
 from softffd.scene.scene import Scene
 from softffd.spelling import wanted_one_of
 
@@ -108,12 +109,14 @@ def _applicable(rig: Rig, methods: Sequence[str] | None, left_out: dict[str, str
 
 def _why_left_out(rig: Rig, method: str) -> str:
     """Why a method would say nothing that another does not; empty where it is measured."""
+    if rig.free and method not in WITH_FREE_BODIES:
+        return "does not support free bodies"
     if method in AS_AUTO:
         return "does what auto does, but stiff bodies do not rebound"
     if rig.contact and method not in CONTACT:
         return "leaves communication steps with possible contact to leapfrog"
-    if method in DAMPED_CONTACT and not (rig.contact and rig.dashpots):
-        return "is for bodies with internal damping beside obstacles"
+    if method in DAMPED_CONTACT and not ((rig.contact or rig.free) and rig.dashpots):
+        return "is for bodies with internal damping beside obstacles or free bodies"
     if rig.dashpots and method == "central_difference":
         return "runs as leapfrog where there is internal damping"
     if (rig.damped and method == "rkn12") or (rig.dashpots and method == "bm4"):

@@ -85,7 +85,7 @@ class _Candidate:
 def find_reference(rig: Rig, *, quick: bool = False, note: Note = silent) -> Reference:
     """The best reference that the FMU's methods allow. Raises FmuError when no method can run the scene at all."""
     patience = QUICK_PATIENCE if quick else PATIENCE
-    if rig.contact:
+    if rig.contact or rig.free:
         return _by_fine_steps(rig, "leapfrog", patience, note)
     best = _tight_runs(rig, patience, note)
     if len(best) >= 2:

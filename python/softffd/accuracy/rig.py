@@ -94,6 +94,7 @@ class Rig:
         self.dashpots = internal_damping_present(scene)
         self.damped = spring_damping_present(scene) or self.dashpots
         self.contact = bool(scene.obstacles)
+        self.free = any(part.motion == "free" for part in (*scene.solids, *scene.pin))
         self.times = communication_points(self.stop_time, self.communication_step, bytes_each=24 * math.prod(scene.lattice.points))
         source = self._source = Inputs(scene.default_inputs)
         self.driven_names = source.names

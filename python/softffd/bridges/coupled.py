@@ -51,11 +51,11 @@ class Part:
 
     def __init__(self, simulation: Simulation, path: str, engine: Engine, body: int, at: np.ndarray | None):
         self.body, self.words = body, [*self.POSE[path.partition(".")[0]], "velocity", "angular_velocity"]
-        self.wrench = simulation.block([f"{path}.reaction", f"{path}.torque"])
         self.inputs = simulation.block([f"{path}.{word}" for word in self.words])
         if fixed := [name for name in self.inputs.names if simulation.variables[name].causality != "input"]:
             wanted = str(self.words).replace("'", '"')
             raise FmuError(f'{fixed[0]}: wanted an input: give {path} motion = "input" and inputs = {wanted} in the scene')
+        self.wrench = simulation.block([f"{path}.reaction", f"{path}.torque"])
         if at is None:
             now = np.eye(4)
             now[:3, 3], now[:3, :3] = simulation[f"{path}.position"], matrix_of(simulation[f"{path}.orientation"])

@@ -9,6 +9,7 @@ from softffd.installed import table
 from softffd.names import OBSTACLES, Part, parse_name
 from softffd.spelling import did_you_mean, nearest_of
 
+FREE = 'motion = "free" of the part'
 SCENE_NEEDS = {
     "forces": "[inputs] forces with this control point",
     "positions": "[outputs] positions with this control point",
@@ -17,8 +18,10 @@ SCENE_NEEDS = {
     "probe_velocity": "velocity = true of the probe",
     "probe_acceleration": "acceleration = true of the probe",
     "taxels": "taxels of the sensor",
-    "plane_reactions": "[outputs] reactions = true",
-    "pin_reactions": "[outputs] reactions = true",
+    **dict.fromkeys(("plane_reactions", "plane_torques", "pin_reactions", "pin_torques"), "[outputs] reactions = true"),
+    **dict.fromkeys(("free_bodies", "free_obstacles"), FREE),
+    **dict.fromkeys(("turning_bodies", "turning_obstacles"), f"{FREE}, without a guide"),
+    **dict.fromkeys(("free_plane_reactions", "free_pin_reactions"), f"{FREE} and [outputs] reactions = true"),
     "stiffness": "[material] stiffness in place of youngs_modulus",
     "modulus": "[material] youngs_modulus in place of stiffness",
     "solid": '[material] model = "solid"',

@@ -30,9 +30,10 @@ WORTH_OF_NODES = 1.5
 
 def body_notes(scene: Scene, masses: Masses, samples: Samples | None) -> list[str]:
     """How much of its box the mesh fills, where the centre of mass has moved, how many times too large the inertia is, which points are so
-    light that steps are short, what the start does to centre of mass and pins, which points of the surface obstacles meet."""
+    light that steps are short, what the start does to centre of mass and pins, which points of the surface obstacles meet, which obstacles
+    pass through each other."""
     of_mass = fill_note(scene), shift_note(scene, masses), inertia_note(scene, masses), light_note(scene, masses)
-    notes = *of_mass, spin_note(scene, masses), pins_note(scene), samples_note(samples)
+    notes = *of_mass, spin_note(scene, masses), pins_note(scene), samples_note(samples), free_note(scene)
     return [note for note in notes if note]
 
 
@@ -166,3 +167,9 @@ def samples_note(samples: Samples | None) -> str | None:
         return f"surface contact: {samples.vertices:,} samples, every vertex"
     taken = f"{len(samples.places):,} of {samples.vertices:,} vertices"
     return f"surface contact: {taken}; the others penetrate by at most {100 * samples.behind:.2g} % of the lattice's height"
+
+
+def free_note(scene: Scene) -> str | None:
+    """Which obstacles do not meet, because both are free."""
+    free = [str(solid.part) for solid in scene.solids if solid.motion == "free"]
+    return f"free obstacles do not touch each other: {', '.join(free)}" if len(free) > 1 else None

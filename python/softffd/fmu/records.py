@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Callable, Iterable
 from functools import lru_cache
@@ -21,9 +22,12 @@ if TYPE_CHECKING:
     from softffd.embedding.mass import Masses
     from softffd.embedding.patches import Patches
     from softffd.embedding.samples import Samples
+    from softffd.scene.rigid import Box, Cylinder, Pin, Plane, Sphere
     from softffd.scene.scene import Scene
 
 NAME, HEAD = "scene.txt", "softffd-scene 2"
+NO_TURNING = (1.0, 1.0, 1.0)
+"""Moments of inertia of a body that does not turn [kg m2]"""
 ONE_WAY = 0.5
 """Of all that the places of a patch have of area along an axis, what must face one way for its taxels to have a pressure"""
 T = TypeVar("T")
@@ -67,15 +71,19 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None, 
     for plane in scene.obstacles:
         normal = (0.0, 0.0, 1.0) if isinstance(plane, Box) else plane.normal
         motion = [*plane.point, *normal, *plane.velocity, *plane.angular_velocity]
-        add("plane", plane.name, plane.motion, *motion, plane.friction)
+        add("plane", plane.name, _moved(plane), *motion, plane.friction)
         if isinstance(plane, Box):
             add("box", *plane.size, *plane.rotation_vector())
         elif not isinstance(plane, Plane):
             add("solid", plane.radius, plane.length)
+        if not isinstance(plane, Plane) and plane.motion == "free":
+            add("free", plane.own_mass(), *plane.own_inertia(), *_unit(plane.guide))
         add("plane_inputs", *plane.input_components(), when=plane.motion == "input")
     for pin in scene.pin:
-        add("pin", pin.name, pin.motion, *scene.select(pin.points))
-        add("pin_origin", *scene.pin_origin(pin), when=scene.is_solid or pin.origin is not None)
+        add("pin", pin.name, _moved(pin), *scene.select(pin.points))
+        add("pin_origin", *scene.pin_origin(pin), when=scene.is_solid or pin.origin is not None or pin.motion == "free")
+        if pin.motion == "free":
+            add("pin_free", pin.mass, *(pin.inertia or NO_TURNING), *_unit(pin.guide))
         if pin.motion == "input":
             position, orientation = scene.pin_start(pin)
             add("pin_start", *position, *orientation, when=initial.rotation is not None)
@@ -232,6 +240,20 @@ def _lines(resources: Path) -> list[list[str]]:
 def _words_of(path: Path, changed: int, size: int) -> list[list[str]]:
     text = path.read_text(encoding="utf-8", errors="replace")
     return [line.split() for line in text.splitlines() if line.strip()] if text.startswith(HEAD) else []
+
+
+def _moved(part: Plane | Sphere | Cylinder | Box | Pin) -> str:
+    """The word of what inputs do not move is "fixed", of free bodies too: a record of their own follows."""
+    return "input" if part.motion == "input" else "fixed"
+
+
+def _unit(guide: tuple[float, float, float] | None) -> tuple[float, float, float]:
+    """A unit vector along it; zero where there is none."""
+    if guide is None:
+        return (0.0, 0.0, 0.0)
+    x, y, z = (each / max(map(abs, guide)) for each in guide)
+    size = math.hypot(x, y, z)
+    return x / size, y / size, z / size
 
 
 def _three(read: Callable[[Any], T], words: Iterable[Any]) -> tuple[T, T, T]:

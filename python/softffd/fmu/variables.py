@@ -149,12 +149,24 @@ def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
         axis = "Has no effect on the {}" if isinstance(plane, Sphere) else "Axis of the {}"
         words = {"point_of": f"Centre of the {plane.shape()}", "normal_of": axis.format(plane.shape())}
     own = {key: getattr(plane, key) for key in ("part", "name", "point", "velocity", "angular_velocity", "friction")}
+    if not isinstance(plane, Plane) and plane.motion == "free":
+        own |= _free(plane, plane.own_mass())
     return words | own | turned | {"inputs": plane.input_components()}
+
+
+def _free(body: Sphere | Cylinder | Box | Pin, mass: float) -> Words:
+    """What a free body's variables say. mass: [kg]."""
+    return {"body": body.part, "mass": mass, "guided": body.guide is not None}
 
 
 def _pin(scene: Scene, pin: Pin) -> dict[str, Any]:
     position, orientation = scene.pin_start(pin)
     return {"name": pin.name, "position": position, "orientation": orientation, "inputs": pin.input_components()}
+
+
+def _bodies(rigid: list[Words], *, turning: bool = False) -> list[Words]:
+    """Of obstacles or pins the free ones. turning: those without a guide alone."""
+    return [each for each in rigid if "body" in each and not (turning and each["guided"])]
 
 
 def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
@@ -168,6 +180,10 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
 
     planes, pins = scene.obstacles, scene.pin
     surfaces, frames = [_plane(plane) for plane in planes], [_pin(scene, pin) for pin in pins if pin.motion == "input"]
+    held = [{"part": pin.part, "name": pin.name} | (_free(pin, pin.mass) if pin.motion == "free" and pin.mass else {}) for pin in pins]
+    free, turning = _bodies(surfaces), _bodies(surfaces, turning=True)
+    free_pins, turning_pins = _bodies(held), _bodies(held, turning=True)
+    led, bound = ([each for each in several if "body" not in each] for several in (surfaces, held))
     faced, boxes = ([each for each in surfaces if pose in each] for pose in ("normal", "rotation"))
     material, stiffness, gravity = scene.material, scene.material.stiffness, scene.environment.gravity
     methods = {method["key"]: method["value"] for method in table()["method"]}
@@ -176,10 +192,17 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     solver["mass"] = float(np.cumsum(mass)[-1])  # one after the other, as the library adds them
     touching = TOUCHING[scene.contact.of]
     shown = {word: [{"name": probe.name, "maximum": probe.maximum} for probe in scene.probe if getattr(probe, word)] for word in PROBED}
+    reactions = {"plane_reactions": [each | {"touching": touching} for each in surfaces], "pin_reactions": held}
+    reactions |= {"plane_torques": led, "pin_torques": bound, "free_plane_reactions": free, "free_pin_reactions": free_pins}
     return {
         "forces": points(scene.inputs.forces),
         "loads": [{"name": load.name} for load in scene.load],
         **dict.fromkeys(("planes", "input_planes", "fixed_planes"), surfaces),
+        **dict.fromkeys(("input_motions", "fixed_motions"), led),
+        "free_obstacles": free,
+        "turning_obstacles": turning,
+        "free_bodies": free + free_pins,
+        "turning_bodies": turning + turning_pins,
         **dict.fromkeys(("input_normals", "fixed_normals"), faced),
         **dict.fromkeys(("input_boxes", "fixed_boxes"), boxes),
         **dict.fromkeys(("input_pins", "fixed_pins"), frames),
@@ -203,8 +226,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
             if sensor.taxels
             for i, j in np.ndindex(*sensor.taxels)
         ],
-        "plane_reactions": [each | {"touching": touching} for each in surfaces] if scene.outputs.reactions else [],
-        "pin_reactions": [{"name": pin.name} for pin in pins] if scene.outputs.reactions else [],
+        **(reactions if scene.outputs.reactions else {key: [] for key in reactions}),
         "energy": when(scene.outputs.energy),
         "energy_gravity": when(scene.outputs.energy and gravity is not None),
         "solver": when(scene.outputs.solver),

@@ -118,7 +118,8 @@ class Inputs:
         if tunable and variable.variability == "tunable" and not (self._steady or self.is_function):
             return variable
         if variable.causality != "input":
-            hint = "; the scene names it in `inputs` of a plane or pin to make it one" if is_pose(name) else ""
+            fixed = is_pose(name) and variable.causality == "parameter"
+            hint = "; the scene names it in `inputs` of a plane or pin to make it one" if fixed else ""
             raise FmuError(f"{self.where}{name}: wanted an input of the FMU, got its {variable.causality} of that name{hint}")
         if variable.type == "String":
             raise FmuError(f"{self.where}{name}: wanted an input that is a number, got a String; start values set it")

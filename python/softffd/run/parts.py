@@ -84,33 +84,43 @@ class Part:
         return f"<{self.path}>"
 
 
-class Obstacle(Part):
+class Body(Part):
+    """What may be a free body, with a mass of its own: those attributes that only such a one has. Its loads can be set at any time."""
+
+    __slots__ = ()
+    force = _vector("(3,) N, of a free body: from outside on its centre of mass during the step")
+    mass = _number("kg, of a free body; before the first step its moments of inertia follow it")
+    position = _vector("(3,) m: of a free body its centre of mass; of a pin the origin of its frame at the communication point")
+    orientation = _vector("(4,): quaternion (w, x, y, z) from the world's axes to its own; of an input of any length > 0")
+    velocity = _vector("(3,) m/s, of its centre of mass, of the origin, or of an obstacle at `point` during the step")
+    angular_velocity = _vector("(3,) rad/s")
+    reaction = _vector("(3,) N: force of the object on it, mean of the last communication step")
+    reaction_torque = _vector("(3,) N.m about its centre, of the object on a free body, mean of the last communication step")
+
+
+class Obstacle(Body):
     """An obstacle. Its friction and what is an input of its pose and motion can be set at any time, the rest before the first step."""
 
     __slots__ = ()
     point = _vector("(3,) m, at the communication point; of a plane that is no input: at the start")
     normal = _vector("(3,); need not have unit length; the solid is on the other side")
     rotation = _vector("(3,) rad, of a box, which has no normal: along the axis and as long as the angle of its turn from the world's axes")
-    velocity = _vector("(3,) m/s, of the obstacle at `point` during the step")
-    angular_velocity = _vector("(3,) rad/s, about `point`")
+    start_velocity = _vector("(3,) m/s, of a free body at the start")
+    start_angular_velocity = _vector("(3,) rad/s, of a free body at the start")
     friction = _number("Coulomb coefficient, >= 0")
-    reaction = _vector("(3,) N: force of the object on the obstacle, mean of the last communication step")
-    torque = _vector("(3,) N.m about `point`, mean of the last communication step")
+    torque = _vector(
+        "(3,) N.m of the object about `point`, mean of the last communication step; of a free body that from outside, an input"
+    )
     centre = _vector("(3,) m: centre of pressure, where `reaction` acts; the plane's point without contact")
     contacts = _number("Number of control points, or points of the surface, in contact")
 
 
-class Pin(Part):
+class Pin(Body):
     """Control points attached to a rigid frame. Of one that inputs move these can be set at any time, the rest of its pose
     and motion before the first step."""
 
     __slots__ = ()
-    position = _vector("(3,) m: origin of the frame at the communication point")
-    orientation = _vector("(4,): quaternion (w, x, y, z); need not have unit length")
-    velocity = _vector("(3,) m/s, of the origin during the step")
-    angular_velocity = _vector("(3,) rad/s")
-    reaction = _vector("(3,) N: force of the object on its fixture, mean of the last communication step")
-    torque = _vector("(3,) N.m about the frame's origin, mean of the last communication step")
+    torque = _vector("(3,) N.m of the object about the origin, mean of the last step; of a free body that from outside, an input")
 
 
 class Sensor(Part):

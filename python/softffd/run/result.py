@@ -16,9 +16,9 @@ from softffd.embedding.deform import deform
 from softffd.errors import MeshError, SoftffdError, UnknownName
 from softffd.files import write_bytes
 from softffd.lattice import LatticeBox, all_points
-from softffd.names import OBSTACLES, ByName, Part, listed, parts_of, variable_names, vector_names
+from softffd.names import OBSTACLES, ByName, Part, listed, parts_of, variable_name, variable_names, vector_names
 from softffd.obstacles import Obstacles
-from softffd.rotation import turned
+from softffd.rotation import matrices, turned
 from softffd.run.parts import require_name
 from softffd.run.pressure import Covered, covered, grid_of, surface_pressure, taxel_pressure
 from softffd.run.result_file import read_result, write_files
@@ -205,9 +205,12 @@ class Result:
     def plane(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Points (T, 3) [m] and normals (T, 3) of an obstacle over time; FmuError with the nearest name for one that is not there.
 
-        Of a solid its centre and a cylinder's axis, a box's third edge; a sphere's says nothing.
+        Of a solid its centre and a cylinder's axis, a box's third edge; a sphere's says nothing. SoftffdError for a free body that was not
+        recorded.
         """
         require_name("plane", name, self.plane_names())
+        if self._is_free(name):
+            return self._of_body("position", name), self._axes(name)[..., 2]
         age = self._age(name)
         points = self._of_plane("point", name) + age * self._of_plane("velocity", name)
         if self._part(name).kind == "box":
@@ -217,8 +220,25 @@ class Result:
     def edges(self, name: str) -> np.ndarray:
         """Directions of a box's edges over time, in columns (T, 3, 3); FmuError with the nearest name for an obstacle that is no box."""
         require_name("box", name, [part.name for part in self.obstacle_parts() if part.kind == "box"])
+        if self._is_free(name):
+            return self._axes(name)
         rotation, turn = self._of_plane("rotation", name), self._age(name) * self._of_plane("angular_velocity", name)
         return np.stack([turned(turned(np.broadcast_to(axis, turn.shape), rotation), turn) for axis in np.eye(3)], axis=-1)
+
+    def _is_free(self, name: str) -> bool:
+        """Has it a mass of its own?"""
+        return variable_name("body_mass", self._part(name)) in self.parameters
+
+    def _axes(self, name: str) -> np.ndarray:
+        """A free body's own axes over time, in columns (T, 3, 3)."""
+        return matrices(self._of_body("orientation", name))
+
+    def _of_body(self, what: str, name: str) -> np.ndarray:
+        """The position or orientation of a free body over time, (T, 3) or (T, 4)."""
+        names = vector_names(f"body_{what}", self._part(name))
+        if missing := [key for key in names if key not in self.outputs]:
+            raise SoftffdError(f"{self._part(name)}: wanted a run whose outputs say where it is, got one without {missing[0]}")
+        return np.stack([self.outputs[key] for key in names], axis=1)
 
     def _of_plane(self, what: str, name: str) -> np.ndarray:
         """A vector of an obstacle's pose or motion over time, (T, 3)."""

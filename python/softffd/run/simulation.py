@@ -320,7 +320,8 @@ class Simulation:
     @cached_property
     def obstacle(self) -> Parts[Obstacle]:
         """Planes, spheres, cylinders and boxes by name: .point .normal .velocity .angular_velocity .friction .reaction .torque .centre
-        .contacts, of a box .rotation in the place of .normal."""
+        .contacts, of a box .rotation in the place of .normal; of a free body also .position .orientation .mass .force .reaction_torque,
+        and .start_velocity .start_angular_velocity."""
         paths = {part.name: str(part) for part in parts_of(self.variables, *OBSTACLES)}
         return Parts("obstacle", list(paths), lambda name: Obstacle(self, paths[name]))
 
@@ -331,7 +332,8 @@ class Simulation:
 
     @cached_property
     def pin(self) -> Parts[Pin]:
-        """The pins by name: .position .orientation .velocity .angular_velocity .reaction .torque"""
+        """The pins by name: .position .orientation .velocity .angular_velocity .reaction .torque; of a free body also .mass .force
+        .reaction_torque"""
         return Parts("pin", part_names(self.variables, "pin"), lambda name: Pin(self, f"pin.{name}"))
 
     @cached_property

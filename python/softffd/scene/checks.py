@@ -9,6 +9,7 @@ import numpy as np
 from softffd.lattice import point_at
 from softffd.names import LARGEST, Part, flat_form, mistaken, structured
 from softffd.scene.cells import MOST, cells_of
+from softffd.scene.checks_free import free_check
 from softffd.scene.checks_material import material_check
 from softffd.scene.checks_sensor import sensor_check
 from softffd.scene.checks_solid import solid_check
@@ -25,7 +26,7 @@ def cross_check(draft: Draft) -> list[Fault]:
     """The problems between the sound keys of a draft. A check of a single key need not ask whether that is sound; one of others does."""
     checks = (
         _names, _idle_inputs, _counts, _selections, _mass, _inertia, _margin, _box, _control_points, _probes, material_check, solid_check,
-        _contact, sensor_check,
+        _contact, sensor_check, free_check,
     )  # fmt: skip
     with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
         found = [fault for check in checks for fault in check(draft)]
@@ -52,8 +53,8 @@ def _idle_inputs(draft: Draft) -> Iterator[Fault]:
     for section in (*OBSTACLES, "pin"):
         for position, item in enumerate(getattr(draft.keys, section)):
             default = type(item).model_fields["inputs"].default
-            if item.motion == "fixed" and item.inputs != default and draft.sound(section, position, "motion"):
-                text = f'wanted none with motion = "fixed", got {toml_text(list(item.inputs))}; they need motion = "input"'
+            if item.motion != "input" and item.inputs != default and draft.sound(section, position, "motion"):
+                text = f'wanted none with motion = "{item.motion}", got {toml_text(list(item.inputs))}; they need motion = "input"'
                 yield Fault((section, position, "inputs"), text)
 
 

@@ -1,4 +1,4 @@
-"""The sections of what is rigid beside the object and may be moved by inputs: planes, solids and pins. SI units."""
+"""The sections of what is rigid beside the object and may be moved by inputs, or have a mass: planes, solids and pins. SI units."""
 
 from typing import Annotated, Any, ClassVar, Literal, Protocol
 
@@ -11,6 +11,7 @@ from softffd.scene.selection import Selection
 from softffd.spelling import nearest_of
 
 Motion = Literal["fixed", "input"]
+FreeMotion = Literal["fixed", "input", "free"]
 
 PLANE_POSE = {"point": "xyz", "normal": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
 SPHERE_POSE = {"point": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
@@ -55,8 +56,19 @@ def _inputs(pose: dict[str, str], *, of: str = "", example: str = "") -> Any:
     return key((next(iter(pose)), "velocity"), f"{what}; the rest are parameters, which hold at every communication point")
 
 
-def _motion() -> Any:
-    return key("fixed", '"fixed", or "input": what `inputs` names are inputs of the FMU')
+def _motion(free: str = "") -> Any:
+    """free: what a body of its own mass is moved by."""
+    more = f'; "free": a rigid body of its own mass, which {free} and the inputs `force` and `torque` move' if free else ""
+    return key("fixed", f'"fixed", or "input": what `inputs` names are inputs of the FMU{more}')
+
+
+def _inertia(default: str) -> Any:
+    text = f"of a free body, > 0: moments of inertia about {default}; none exceeds the sum of the others; none with `guide`"
+    return quantity(None, "kg m2", text)
+
+
+def _guide() -> Any:
+    return quantity(None, "1", "of a free body, any length > 0: it moves along this axis of the world alone, and does not turn")
 
 
 class _Movable(Protocol):
@@ -109,7 +121,22 @@ class Solid(Rigid):
     velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of its centre")
     angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about its centre")
     friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
-    motion: Motion = _motion()
+    motion: FreeMotion = _motion("gravity, the object, other obstacles")
+    mass: Number | None = quantity(None, "kg", "mass of a free body, which has it or `density`", gt=0)
+    density: Number | None = quantity(None, "kg/m3", "density of a free body, in place of `mass`", gt=0)
+    inertia: PositiveVector | None = _inertia(
+        "its own axes through its centre (a box: its edges; a cylinder: the third is `normal`; a sphere: the world's); default: those of "
+        "the homogeneous solid"
+    )
+    guide: Direction | None = _guide()
+
+    def own_mass(self) -> float:
+        """Of a free body [kg]."""
+        return self.mass if self.mass is not None else (self.density or 0.0) * self.shape().volume
+
+    def own_inertia(self) -> tuple[float, float, float]:
+        """Moments of inertia of a free body [kg m2]."""
+        return self.inertia or self.shape().inertia(self.own_mass())
 
     def shape(self) -> SolidShape:
         """What there is to see."""
@@ -184,5 +211,8 @@ class Pin(Rigid):
         None, "m", "origin of the frame at rest: the reference point of its position, velocity and torque; default: the centroid of "
         "the points, of a solid of the nodes"
     )  # fmt: skip
-    motion: Motion = _motion()
+    motion: FreeMotion = _motion("gravity, the object")
+    mass: Number | None = quantity(None, "kg", "mass of a free body, which must be given; that of the points comes on top", gt=0)
+    inertia: PositiveVector | None = _inertia("the axes of the frame through `origin`, which is the centre of mass; must be given")
+    guide: Direction | None = _guide()
     inputs: PinInputs = _inputs(PIN_POSE, of=" of the frame", example=': "position.z"')

@@ -12,7 +12,8 @@ namespace whole_scene {
 
 using namespace softffd::fmi;
 
-/// A scene with every part but those that its stiffness leaves no place for, and boxes and sensors, which need a surface.
+/// A scene with every part but those that its stiffness leaves no place for, boxes and sensors, which need a surface, and free bodies,
+/// which leave few methods.
 inline const std::string text = small_scene::Box{.side = 2, .mass = 0.25, .stiffness = 100, .initial = "1 1 1 0 0 0.5 1 0 0 0 0 0"}.text(
     "damping 0.05\ninternal_damping 0.001\ngravity 0 0 -9.81\ninitial_rotation 0 0 0\nplane ground fixed 0 0 0 0.1 0 1 0 0 0 0 0 0 "
     "0.4\nplane lid input 0 0 9 0 0 "
@@ -27,7 +28,10 @@ inline const std::vector<FamilyInfo> present = [] {
   std::erase_if(list, [](const FamilyInfo& info) {
     const bool of_solids = info.part == Part::solid || info.part == Part::probe_stress || info.part == Part::probe_von_mises ||
                            info.part == Part::probe_stretch || info.part == Part::probe_largest_von_mises;
-    return of_solids || info.part == Part::modulus || info.part == Part::input_boxes || info.part == Part::fixed_boxes;
+    const bool of_free = info.part == Part::free_bodies || info.part == Part::turning_bodies || info.part == Part::free_obstacles ||
+                         info.part == Part::turning_obstacles || info.part == Part::free_plane_reactions ||
+                         info.part == Part::free_pin_reactions;
+    return of_free || of_solids || info.part == Part::modulus || info.part == Part::input_boxes || info.part == Part::fixed_boxes;
   });
   return list;
 }();

@@ -50,6 +50,13 @@ def test_scenes_with_obstacles_leave_out_what_would_be_leapfrog_and_are_unconfir
     assert not records.reference.confirmed and "unconfirmed" in str(records.reference)
 
 
+def test_a_scene_with_a_free_body_leaves_out_the_methods_without_them(folder):
+    Path("loaded.toml").write_text(SMALL + '[[pin]]\nname = "mass"\npoints = "z+"\nmotion = "free"\nmass = 1.0\nguide = [0, 0, 1]\n')
+    records = measure(load_scene("loaded.toml"), quick=True, repeats=1)
+    assert set(records.names()) == {"auto", "leapfrog"} and not any(run.failure for run in records.runs)
+    assert records.left_out["dop853"] == "does not support free bodies"
+
+
 def test_solids_count_as_obstacles():
     with Rig(load_scene("car_ball").replace({"experiment.stop_time": 0.02})) as rig:
         assert rig.contact

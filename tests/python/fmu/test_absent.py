@@ -2,15 +2,18 @@
 
 import pytest
 
-from scenes import GRAVITY, box
+from scenes import GRAVITY, box, meshed
 from softffd import package_fmu, simulate, sweep
 from softffd.cli.command import main
 from softffd.errors import FmuError
 from softffd.fmu.absent import SCENE_NEEDS
 from softffd.fmu.component import Component
+from validation import shapes
 
 PIN = {"name": "base", "points": "z-"}
 PROBE, SENSOR = {"name": "tip", "at": [0.5, 0.5, 1.0]}, {"name": "foot", "on": "z-"}
+FREE = {"motion": "free", "mass": 1.0, "guide": [0.0, 0.0, 1.0]}
+NO_PIN = 'a [[pin]] with name = "base" and '
 BARE = {
     "damping": 0.0, "outputs": {"positions": "none"}, "plane": [{"name": "ground"}], "pin": [PIN], "probe": [PROBE], "sensor": [SENSOR],
 }  # fmt: skip
@@ -20,6 +23,11 @@ CASES = {
     "position[1,0,0].x": ("[outputs] positions with this control point", {"outputs": {"positions": "all"}}),
     "velocity[1,0,0]": ("[outputs] velocities with this control point", {"velocities": "all"}),
     "pin.base.position.z": ('motion = "input" of the pin', {"pin": [PIN | {"motion": "input"}]}),
+    "pin.base.mass": ('a [[pin]] with name = "base" and motion = "free" of the part', {"pin": [PIN | FREE]}),
+    "pin.base.reaction_torque": (
+        'a [[pin]] with name = "base" and motion = "free" of the part and [outputs] reactions = true',
+        {"pin": [PIN | FREE], "reactions": True},
+    ),
     "probe.tip.velocity.x": ("velocity = true of the probe", {"probe": [PROBE | {"velocity": True}]}),
     "probe.tip.acceleration": ("acceleration = true of the probe", {"probe": [PROBE | {"acceleration": True}]}),
     "sensor.foot.taxel[0,0].z": ("taxels of the sensor", {"sensor": [SENSOR | {"taxels": [2, 2]}]}),
@@ -56,7 +64,18 @@ def test_the_scene_needs_what_then_brings_it(name):
 def test_a_stiffness_is_that_of_springs_without_a_modulus():
     said, there = hint("stiffness", material={"youngs_modulus": 1e5, "damping": 0.0})
     assert (said, there) == (": its scene needs [material] stiffness in place of youngs_modulus for it", [])
-    assert {needed for needed, _ in CASES.values()} | {"[material] stiffness in place of youngs_modulus"} >= set(SCENE_NEEDS.values())
+
+
+def test_a_body_on_a_guide_has_no_spin_to_start_with(tmp_path):
+    scene = meshed(tmp_path, shapes.cube(2, 0.1), sphere=[{"name": "ball", "radius": 0.1, "point": [0.0, 0.0, 9.0], **FREE}])
+    with Component(scene, running=False) as component:
+        hint = component.hint("sphere.ball.start_angular_velocity")
+    assert hint == ': its scene needs motion = "free" of the part, without a guide for it'
+
+
+def test_every_need_is_seen():
+    elsewhere = {"[material] stiffness in place of youngs_modulus", 'motion = "free" of the part, without a guide'}
+    assert {needed.removeprefix(NO_PIN) for needed, _ in CASES.values()} | elsewhere >= set(SCENE_NEEDS.values())
 
 
 @pytest.mark.parametrize(

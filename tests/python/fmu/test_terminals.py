@@ -17,6 +17,7 @@ SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons
 PARTS = {
     "plane": [{"name": "table"}, {"name": "press", "point": [0.0, 0.0, 2.0], "normal": [0.0, 0.0, -1.0], **MOVED}],
     "box": [{"name": "block", "size": [1.0, 1.0, 1.0], "point": [0.0, 0.0, 5.0], "motion": "input"}],
+    "sphere": [{"name": "ball", "radius": 0.1, "point": [0.0, 0.0, 9.0], "motion": "free", "mass": 1.0}],
     "pin": [{"name": "base", "points": "z-"}, {"name": "hand", "points": "z+", **LED}],
     "load": [{"name": "push", "points": "x+"}],
     "probe": [{"name": "nose", "at": [0.5, 0.5, 1.0]}],
@@ -50,7 +51,7 @@ def test_the_schema_finds_nothing_and_every_member_is_a_variable(fmi, names, tmp
     text, there = document(parts(tmp_path, names), tmp_path, fmi)
     etree.XMLSchema(etree.parse(SCHEMA)).assertValid(etree.fromstring(text))
     found = members(text)
-    assert len(found) == 8 and {name for each in found.values() for name in each.values()} <= there
+    assert len(found) == 9 and {name for each in found.values() for name in each.values()} <= there
     kinds = {member.get("variableKind") for member in Xml.fromstring(text).iter("TerminalMemberVariable")}
     assert kinds == {"signal"} and {each.get("matchingRule") for each in Xml.fromstring(text).iter("Terminal")} == {"bus"}
 
@@ -58,11 +59,22 @@ def test_the_schema_finds_nothing_and_every_member_is_a_variable(fmi, names, tmp
 def test_a_terminal_has_pose_velocity_and_wrench_of_its_part(tmp_path):
     text, _ = document(parts(tmp_path), tmp_path)
     found = members(text)
-    assert set(found) == {"load.push", "plane.press", "box.block", "pin.hand", "plane.table", "probe.nose", "pin.base", "sensor.foot"}
+    assert set(found) == {
+        "load.push",
+        "plane.press",
+        "box.block",
+        "sphere.ball",
+        "pin.hand",
+        "plane.table",
+        "probe.nose",
+        "pin.base",
+        "sensor.foot",
+    }
     words = ("point", "normal", "velocity", "angular_velocity", "reaction", "torque")
     assert {f"{word}.{c}" for word in words for c in "xyz"} <= set(found["plane.press"])
     assert found["plane.press"]["reaction.z"] == "plane.press.reaction.z" and "friction" not in found["plane.press"]
     assert {"position.x", "orientation.w", "velocity.y", "angular_velocity.z", "reaction.x", "torque.z"} <= set(found["pin.hand"])
+    assert {"force.x", "torque.y", "position.z", "orientation.w", "velocity.x", "reaction.y"} <= set(found["sphere.ball"])
     assert found["load.push"] == {c: f"load.push.{c}" for c in "xyz"}
     assert not any(name.startswith("point") for name in found["plane.table"])  # a fixed one has its reaction only
 

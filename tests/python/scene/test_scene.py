@@ -178,6 +178,7 @@ def test_the_template_with_every_key_in_force_has_only_the_problems_it_must_have
     del full["material"]["poissons_ratio"], full["material"]["density"]
     del full["region"][0]["youngs_modulus"], full["region"][0]["density"], full["contact"]["penetration"]
     del full["sphere"], full["cylinder"], full["box"]
+    del full["pin"][0]["mass"], full["pin"][0]["inertia"], full["pin"][0]["guide"]
     assert isinstance(scene_from(full), Scene)
 
 

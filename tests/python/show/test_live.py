@@ -2,14 +2,13 @@
 
 import json
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 
+from live_pages import in_node, live_of, parts_by_name
 from scenes import box
 from softffd import load_scene, save_mesh, simulate
 from softffd.cli.command import main
@@ -23,8 +22,6 @@ from softffd.show.live.page import live_page, write_live
 from softffd.show.live.scene import is_recording, live_scene
 from softffd.show.skin import cage_surface
 from softffd.show.stage import stage_of
-
-HOST = Path(__file__).parents[2] / "support" / "hosts" / "live_in_node.mjs"
 
 
 @pytest.fixture(scope="module")
@@ -42,23 +39,6 @@ def pages(tmp_path_factory):
         return written[name]
 
     return page
-
-
-def in_node(page: Path, messages: list[dict], folder: Path) -> list[dict]:
-    if shutil.which("node") is None:
-        pytest.skip("no node on this machine to run the worker with")
-    (folder / "messages.json").write_text(json.dumps(messages))
-    done = subprocess.run(["node", HOST, page, folder / "messages.json"], capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr[-2000:]
-    return json.loads(done.stdout)
-
-
-def live_of(page: Path) -> dict:
-    return json.loads(re.search(r'id="live">(.*?)</script>', page.read_text("utf-8"))[1])
-
-
-def parts_by_name(live: dict) -> dict[str, int]:
-    return {part["label"]: n for n, part in enumerate(live["open"]["parts"])}
 
 
 def session(live: dict, part: str, target: list[float], slider: int, corner: int) -> list[dict]:

@@ -13,7 +13,7 @@ from softffd.fmu.records import NAME
 from softffd.fmu.variables import STANDARD_GRAVITY
 from softffd.lattice import all_points
 from softffd.names import Part, parse_name, stem, variable_names, vector_names
-from softffd.scene.rigid import Pin
+from softffd.scene.rigid import Box, Cylinder, Pin, Plane, Sphere
 from softffd.scene.scene import Scene
 from softffd.scene.springs import cell_stiffness
 from softffd.show.live.scene import RECORDED
@@ -23,6 +23,9 @@ from softffd.show.view_body import ENERGY_MARKS, hex_of
 MOST_SPEED = 3.0  # of what is dragged: sizes of the object per second
 MOST_TURN = 3.0  # of what is turned, rad/s
 MOST_PULL = 10.0  # of the object's weights
+GIVES, STIFFEST, DAMPED, MOST_DAMPED = 0.01, 0.15, 1.4, 0.3
+"""Of the spring that pulls a free body: by how much it gives under its weight, in sizes of the object; the greatest stiffness by mass and
+step^2; damping by that of a mass on the spring, sqrt(k m); the greatest damping by mass and step"""
 PROBED = "#009e73"
 """Colour of what probes tell"""
 SENSED = "#cc79a7"
@@ -91,11 +94,15 @@ class Described:
 
     def _parts(self) -> tuple[list[str], list[dict[str, Any]]]:
         """The inputs of obstacles and pins that a hand moves, and of each of these where its point [m], its turn, and both velocities [m/s,
-        rad/s] are among them, how they start, and the control points that a pin holds."""
+        rad/s] are among them, how they start, and the control points that a pin holds; of a free body where its force [N] is."""
         inputs: list[str] = []
         parts = []
         for each in (*self.scene.obstacles, *self.scene.pin):
-            if each.motion == "input":
+            held = self.scene.select(each.points).tolist() if isinstance(each, Pin) else []
+            if not isinstance(each, Plane) and each.motion == "free":
+                parts.append({"label": each.name, "held": held, "at": len(inputs), "turns": None} | self._free(each))
+                inputs += vector_names("body_force", each.part)
+            elif each.motion == "input":
                 place, *turns, velocity, spin = each.POSE
                 family = "plane" if each.part.is_obstacle else "pin"
                 names = {word: vector_names(f"{family}_{word}", each.part) for word in each.POSE}
@@ -104,11 +111,26 @@ class Described:
                     at[word] = len(inputs)
                     inputs += names[word]
                 starts = {word: [self._start[name] for name in names[word]] for word in each.POSE}
-                held = self.scene.select(each.points).tolist() if isinstance(each, Pin) else []
                 part = {"label": each.name, "held": held, "at": first, "point": starts[place]}
                 part |= {"speed": at[velocity], "drift": starts[velocity], "spins": at[spin], "turns": next(iter(turns), None)}
                 parts.append(part | {what: value for word in turns for what, value in {"turned": at[word], "axis": starts[word]}.items()})
         return inputs, parts
+
+    def _free(self, body: Sphere | Cylinder | Box | Pin) -> dict[str, Any]:
+        """Of a free body, which a spring and a dashpot pull: where its centre starts [m], the references of its position, velocity and
+        orientation, stiffness [N/m], damping [N s/m] and greatest force [N]. The spring gives little under its weight."""
+        start, step = self.scene.pin_start(body)[0] if isinstance(body, Pin) else body.point, self.scene.experiment.communication_step
+        mass = self._start[variable_names("body_mass", [body.part])[0]]
+        stiffness = mass * min(STIFFEST / step**2, STANDARD_GRAVITY / (GIVES * self.size))
+        where = {word: self._references(vector_names(f"body_{word}", body.part)) for word in ("position", "velocity", "orientation")}
+        damping = min(DAMPED * (stiffness * mass) ** 0.5, MOST_DAMPED * mass / step)
+        return {
+            "point": list(start),
+            "free": where,
+            "stiffness": stiffness,
+            "damping": damping,
+            "most": MOST_PULL * mass * STANDARD_GRAVITY,
+        }
 
     def rows(self) -> list[dict[str, Any]]:
         """The curves of the readout: reactions [N] with their vectors, energies [J], and what probes and sensors tell."""

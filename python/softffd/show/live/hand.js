@@ -158,8 +158,9 @@ function turn_by(part, across, up, from) {
   return { part, target: hand?.part === part ? hand.target : now.parts[part], turn: product(product(turn_of(above.map(x => x * across)), turn_of(right.map(x => x * up))), from) };
 }
 function can_turn(part) {
-  if (!live.open.parts[part].turns) tell(`${live.open.parts[part].label} is a sphere, which looks the same however it is turned`);
-  return !!live.open.parts[part].turns;
+  const { turns, free, label } = live.open.parts[part];
+  if (!turns) tell(`${label} ${free ? "is a free body: it is drawn, not turned" : "is a sphere, which looks the same however it is turned"}`);
+  return !!turns;
 }
 Object.assign(source, {
   press(e, fingers) {

@@ -20,11 +20,11 @@ def live_scene(scene: Scene) -> Scene:
     """The same body with what a hand needs: forces on all control points, obstacles and pins that move, outputs to look at.
 
     Its communication step is 1/480 s, or that of the scene where it is shorter. An obstacle that turns keeps its motion; one that inputs
-    move rests until it is taken hold of.
+    move rests until it is taken hold of; a free body moves by itself, and a hand pulls it by its force.
     """
     changes: dict[str, object] = {"inputs.forces": "all", "outputs.positions": "all", "outputs.reactions": True, "outputs.energy": True}
     for part in (*scene.obstacles, *scene.pin):
-        if not np.any(getattr(part, "angular_velocity", 0.0)):
+        if part.motion != "free" and not np.any(getattr(part, "angular_velocity", 0.0)):
             changes |= {f"{part.part}.motion": "input", f"{part.part}.inputs": list(part.POSE)}
             if part.motion == "input" and part.part.is_obstacle:
                 changes[f"{part.part}.velocity"] = None

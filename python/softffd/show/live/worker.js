@@ -24,6 +24,7 @@ class LiveRun {
     this.inputs = component.block(opened.inputs);
     this.positions = component.block(opened.positions);
     this.outputs = component.block(opened.outputs);
+    this.free = opened.parts.map(({ free }) => free && component.block([...free.position, ...free.velocity, ...free.orientation]));
     this.tuned = opened.parameters.map(each => component.block([each.reference]));
     this.wanted = opened.parameters.map(each => each.start);
     this.loads = opened.loads.map(each => each.start);
@@ -46,7 +47,15 @@ class LiveRun {
     this.begin();
   }
   get time() { return this.count * this.opened.h; }    // a multiple of the step, as `softffd run` counts
-  look() { this.points = Float64Array.from(this.component.get(this.positions)); }
+  look() {
+    this.points = Float64Array.from(this.component.get(this.positions));
+    this.parts.forEach((part, n) => {
+      if (!part.free) return;
+      const seen = [...this.component.get(this.free[n])], orientation = seen.slice(6);
+      part.first ||= orientation;
+      Object.assign(part, { point: seen.slice(0, 3), velocity: seen.slice(3, 6), turn: product(orientation, backwards(part.first)) });
+    });
+  }
 
   // Hands over the parameters that have changed, these alone: setting one makes the component prepare the body anew.
   tune() {
@@ -62,11 +71,13 @@ class LiveRun {
     if (this.count === 0) this.again();                // before the first step they are start values
   }
 
-  // Obstacles and pins go on at their own speed, or towards the hand: their poses and velocities agree, so that nothing jumps.
+  // Obstacles and pins go on at their own speed, or towards the hand: their poses and velocities agree, so that nothing jumps. Free bodies go
+  // their own way, but for the force by which a hand draws one.
   write_inputs() {
     const { starts, forces, loads } = this.opened, values = this.inputs.values, write = (vector, at) => values.set(vector.map(x => x + 0), at);   // no -0, which the record has not
     values.set(starts);
     this.parts.forEach((part, n) => {
+      if (part.free) return this.hand?.part === n && write(this.drawn(part), part.at);
       part.velocity = part.drift;
       part.spin = [0, 0, 0];
       if (this.hand?.part === n || part.taken) this.lead(part, this.hand?.part === n ? this.hand : { target: part.point });
@@ -99,6 +110,16 @@ class LiveRun {
     this.before = at;
     return size > most ? force.map(f => f * most / size) : force;
   }
+  // That on the centre of a free body.
+  drawn({ point, velocity, stiffness, damping, most }) {
+    const force = point.map((x, a) => stiffness * (this.hand.target[a] - x) - damping * velocity[a]), size = Math.hypot(...force);
+    return size > most ? force.map(f => f * most / size) : force;
+  }
+  // What the hand pulls at, of the object or a free body.
+  hand_at() {
+    const part = this.parts[this.hand?.part];
+    return this.hand?.weights ? this.held_place() : part?.free ? part.point : null;
+  }
   held_place() {
     return [0, 1, 2].map(a => this.hand.weights.reduce((sum, [p, w]) => sum + w * this.points[3 * p + a], 0));
   }
@@ -111,6 +132,7 @@ class LiveRun {
     this.record.push(done);
     this.changed = [];
     for (const part of this.parts) {
+      if (part.free) continue;
       part.point = part.point.map((x, a) => x + part.velocity[a] * this.opened.h);
       if (part.spin.some(x => x)) part.turn = product(turn_of(part.spin.map(x => x * this.opened.h)), part.turn);
     }
@@ -138,7 +160,7 @@ class LiveRun {
   frame() {
     const { centre } = this.opened;
     return { frame: this.time, points: Float32Array.from(this.points, (x, i) => x - centre[i % 3]), outputs: Float64Array.from(this.component.get(this.outputs)),
-      parts: this.parts.map(part => part.point), turns: this.parts.map(part => part.turn), pull: this.pull, at: this.hand?.weights ? this.held_place() : null };
+      parts: this.parts.map(part => part.point), turns: this.parts.map(part => part.turn), pull: this.pull, at: this.hand_at() };
   }
   save() {
     if (this.saved) this.component.forget(this.saved.state);

@@ -1,0 +1,86 @@
+"""The checks of free bodies: obstacles and pins with a mass of their own."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from softffd.scene.draft import Draft
+from softffd.scene.faults import Fault, KeyPath, either, toml_text
+from softffd.scene.keys import SOLIDS
+from softffd.scene.rigid import Pin, Solid
+
+METHODS = ("auto", "leapfrog", "sdirk2")
+"""Those that push free bodies back"""
+KEYS = ("mass", "density", "inertia", "guide")
+"""Of free bodies alone"""
+FREE = 'motion = "free"'
+ROUNDING = 1e-9
+"""By which fraction an inertia may exceed the sum of the others, and a velocity be off its guide"""
+
+
+def free_check(draft: Draft) -> Iterator[Fault]:
+    """The problems of a draft's free bodies, and of keys that only they have."""
+    free = False
+    for section in (*SOLIDS, "pin"):
+        for position, item in enumerate(getattr(draft.keys, section)):
+            path: KeyPath = (section, position)
+            if not draft.sound(*path, "motion"):
+                continue
+            if item.motion == "free":
+                free = True
+                yield from _masses(draft, path, item)
+                yield from _inertia(draft, path, item)
+                yield from _guide(path, item)
+            else:
+                yield from _idle(path, item)
+    method = draft.keys.solver.method
+    if free and method not in METHODS:
+        yield Fault(("solver", "method"), f"wanted {either(METHODS)} beside a body with {FREE}, got {toml_text(method)}")
+
+
+def _idle(path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
+    for key in KEYS:
+        if (given := getattr(item, key, None)) is not None:
+            got = f"got {toml_text(list(given) if isinstance(given, tuple) else given)}; it needs {FREE}"
+            yield Fault((*path, key), f'wanted none with motion = "{item.motion}", {got}')
+
+
+def _masses(draft: Draft, path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
+    """One mass that double precision has."""
+    density = getattr(item, "density", None)
+    ways = "mass" if isinstance(item, Pin) else "mass or density"
+    if item.mass is not None and density is not None:
+        yield Fault(path, f"wanted {ways}, got mass = {item.mass:g} and density = {density:g}")
+    elif item.mass is None and density is None:
+        if draft.sound(*path, "mass") and draft.sound(*path, "density"):
+            yield Fault(path, f"wanted {ways} beside {FREE}, got none")
+    elif isinstance(item, Solid) and all(draft.sound(*path, key) for key in ("radius", "length", "size", "mass", "density")):
+        made = np.array([item.own_mass(), *item.own_inertia()])
+        if not (np.isfinite(made).all() and (made > 0).all()):
+            yield Fault((*path, "mass" if item.mass else "density"), f"wanted a mass and moments of inertia > 0, got {made.min():g}")
+
+
+def _inertia(draft: Draft, path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
+    given = item.inertia
+    if given is None:
+        if isinstance(item, Pin) and item.guide is None and draft.sound(*path, "inertia") and draft.sound(*path, "guide"):
+            yield Fault(path, f"wanted inertia beside {FREE}, or a guide, along which it does not turn, got neither")
+    elif item.guide is not None:
+        yield Fault((*path, "inertia"), f"wanted none beside guide, along which the body does not turn, got {toml_text(list(given))}")
+    elif max(given) > (1 + ROUNDING) * (sum(given) - max(given)):
+        text = "wanted moments of a rigid body, of which none exceeds the sum of the other two"
+        yield Fault((*path, "inertia"), f"{text}, got {toml_text(list(given))}")
+
+
+def _guide(path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
+    """A body on a guide starts along it."""
+    if item.guide is None or isinstance(item, Pin):
+        return
+    if any(item.angular_velocity):
+        got = toml_text(list(item.angular_velocity))
+        yield Fault((*path, "angular_velocity"), f"wanted none beside guide, along which the body does not turn, got {got}")
+    along, velocity = np.array(item.guide) / max(map(abs, item.guide)), np.array(item.velocity)
+    nearest = along * (velocity @ along) / (along @ along)
+    if np.abs(velocity - nearest).max() > ROUNDING * np.abs(velocity).max():
+        got = f"got {toml_text(list(item.velocity))}; {toml_text([float(f'{each:.6g}') for each in nearest])} is nearest"
+        yield Fault((*path, "velocity"), f"wanted a velocity along guide = {toml_text(list(item.guide))}, {got}")

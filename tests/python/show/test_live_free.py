@@ -1,0 +1,77 @@
+"""Free bodies of a live page: they move by themselves, a hand draws one by a bounded force, and the recording runs to the same bits."""
+
+import numpy as np
+import pytest
+
+from live_pages import in_node, live_of, parts_by_name
+from scenes import GRAVITY, meshed
+from softffd import SoftffdError, simulate
+from softffd.installed import wasm_library
+from softffd.show.live.page import write_live
+from softffd.show.live.scene import live_scene
+from validation import shapes
+
+PARTS = {
+    "sphere": [{"name": "ball", "radius": 0.1, "point": [0.5, 0.5, 1.6], "motion": "free", "mass": 2.0, "velocity": [0.0, 0.0, 3.0]}],
+    "box": [
+        {
+            "name": "crate",
+            "size": [0.3, 0.4, 0.5],
+            "point": [1.8, 0.5, 0.5],
+            "motion": "free",
+            "mass": 2.0,
+            "angular_velocity": [1.0, 2.0, 3.0],
+        }
+    ],
+    "plane": [{"name": "floor", "point": [0.0, 0.0, -0.5]}],
+}
+
+
+@pytest.fixture
+def scene(tmp_path):
+    return meshed(tmp_path, shapes.cube(2, 0.1), **PARTS, gravity=GRAVITY, pin=[{"name": "foot", "points": "z-"}], stop_time=0.1)
+
+
+def test_a_live_scene_leaves_free_bodies_free(scene):
+    parts = {part.name: part.motion for part in (*live_scene(scene).obstacles, *live_scene(scene).pin)}
+    assert parts == {"floor": "input", "ball": "free", "crate": "free", "foot": "input"}
+
+
+def test_a_free_body_is_drawn_by_its_force_and_the_recording_runs_to_the_same_bits(scene, tmp_path):
+    try:
+        wasm_library()
+    except SoftffdError:
+        pytest.skip("no WebAssembly library in this installation")
+    page = write_live(scene, tmp_path / "live.html")
+    live = live_of(page)
+    parts, long = parts_by_name(live), {"budget": 1e9}
+    ball = live["open"]["parts"][parts["ball"]]
+    target = [0.9, 0.5, 1.6]
+    held = {"hand": {"part": parts["ball"], "target": target}, **long}
+    far = {"hand": {"part": parts["ball"], "target": [1e3, 0.5, 1.6]}, **long}
+    free = {"hand": None, **long}
+    _, begun, saved, held, back, again, pulled, recorded = in_node(
+        page,
+        [
+            {"run": 0.02, **free},
+            {"save": True},
+            {"run": 0.6, **held},
+            {"restore": True},
+            {"run": 0.6, **held},
+            {"run": 0.7, **far},
+            {"recording": True},
+        ],
+        tmp_path,
+    )
+    assert saved["saved"] == back["frame"] == begun["frame"] and held["points"] == again["points"] and held["parts"] == again["parts"]
+    assert begun["parts"][parts["ball"]][2] > 1.6 and begun["at"] is None and held["at"] == held["parts"][parts["ball"]]
+    assert np.linalg.norm(np.array(held["at"]) - target) < 0.05  # its weight
+    (tmp_path / "recording.csv").write_text(recorded["recording"])
+    run = simulate(live_scene(scene), inputs=tmp_path / "recording.csv", stop_time=pulled["frame"], open_end=True)
+    assert [run.outputs[f"sphere.ball.position.{c}"][-1] for c in "xyz"] == pulled["parts"][parts["ball"]]
+    assert [run.outputs[f"box.crate.position.{c}"][-1] for c in "xyz"] == pulled["parts"][parts["crate"]]
+    force = np.stack([run.inputs[f"sphere.ball.force.{c}"] for c in "xyz"], axis=1)
+    sizes = np.linalg.norm(force, axis=1)
+    assert sizes.max() == pytest.approx(ball["most"], rel=1e-12) and not force[0].any()
+    turn = pulled["turns"][parts["crate"]]
+    assert np.linalg.norm(turn) == pytest.approx(1.0) and abs(turn[0]) < 0.99
