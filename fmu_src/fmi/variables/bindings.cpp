@@ -184,7 +184,7 @@ constexpr Binding output(Family family, Binding::Output output, Binding::Output 
   return {.family = family, .is_output = true, .output = output, .rate_output = rate};
 }
 MaterialState material_at(const Observed& o, int probe) { return o.body.solid()->at(o.places[probe], o.body.state().x); }
-const FreeState& free_state(const Observed& o, int k) { return o.body.state().free[k]; }
+FreeState free_state(const Observed& o, int k) { return o.body.free_body(k); }
 const PointReading& followed(const Observed& o, int probe) { return o.body.readings().followed(o.followed[probe]); }
 template <int row, int column>
 constexpr Binding stress(Family family) {
