@@ -85,6 +85,7 @@ class SurfaceContact {
   void set_planes();
   void set_free(const Drive& around, const std::vector<FreeState>& free, const Points& x);
   void give_free(const SurfaceStage& stage, const Drive& around, double rate, bool move, std::vector<FreeState>& free) const;
+  bool lift_tangents(const StepView& step, const Points& x1, const std::vector<FreeState>& free);
   double obstacles_way(const Drive& around) const;
   void book_free(const StepView& step, const std::vector<FreeState>& free, Exchange& exchange) const;
   void move_planes(const StepView& step);
