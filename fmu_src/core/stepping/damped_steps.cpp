@@ -37,6 +37,9 @@ constexpr Count longest_damped_trust = 32;
 constexpr double slight_slip = 0.01;
 /// Of the tolerance, by which the equations of a stage may be solved wrong.
 constexpr double solved = 1e-4;
+/// Work of explicit steps, contact included, in their forecast, at which they are given up [1]: where contacts open and close from step to
+/// step, no step is short enough for them.
+constexpr double lost_explicit = 100;
 /// Shortest step in the largest explicit one, where there are no explicit steps to take over [1].
 constexpr double shortest_damped = 0.05;
 
@@ -81,9 +84,9 @@ struct DampedSteps::Call {
 
 double DampedSteps::ExplicitSteps::times() const { return free ? 1 : use::doubled_work; }
 
-StepStatus DampedSteps::ExplicitSteps::run(Integrators& integrators, const StepContext& context, double until) const {
+StepStatus DampedSteps::ExplicitSteps::run(Integrators& integrators, const StepContext& context, double until, double most) const {
   if (free) return run_fitted(integrators, *free, context, Method::leapfrog, until, infinity);
-  return contact->run(integrators, context, until);
+  return contact->run(integrators, context, until, most);
 }
 
 double DampedSteps::worth(Integrators& integrators, const StepContext& context, const ExplicitSteps& others) {
@@ -293,9 +296,17 @@ StepStatus DampedSteps::take_explicit(const Call& call) {
   }
   const double until = std::min(record.explicit_until, call.end);
   context.run.course.method = Method::leapfrog;
-  const double before = context.run.course.work;
-  const StepStatus status = call.others.run(call.integrators, context, until);
+  const double before = context.run.course.work, left = call.integrators.budget().left();
+  const double forecast = call.others.times() * step_work(context.model.body, context.drive, context.run, Method::leapfrog, call.limit) *
+                          (until - begin) / call.limit;
+  const double most = std::max(use::lost_explicit * forecast, call.integrators.implicit_work().in_contact());
+  const StepStatus status = call.others.run(call.integrators, context, until, most);
+  const double now = context.run.path.motion.time;
   record.rate = (context.run.course.work - before) / (until - begin);
+  if (now < until) {  // implicit ones go on
+    record.rate = (left - call.integrators.budget().left()) / (now - begin);
+    record.explicit_until = now;
+  }
   record.h = use::first_damped * call.worth();
   record.constraints = 0;
   return status;

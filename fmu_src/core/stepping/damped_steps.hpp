@@ -25,7 +25,7 @@ class DampedSteps {
     bool any() const { return contact || free; }
     /// Work beside that of plain steps [1].
     double times() const;
-    StepStatus run(Integrators& integrators, const StepContext& context, double until) const;
+    StepStatus run(Integrators& integrators, const StepContext& context, double until, double most) const;
   };
 
   DampedSteps(const Lattice& lattice, const Run& run) : slowest_(lattice), start_(run.path), coarse_(run.path) {}

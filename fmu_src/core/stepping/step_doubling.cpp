@@ -71,11 +71,11 @@ double of_late(ContactSteps& contact, double error, double h, Count steps) {
 
 }  // namespace
 
-StepStatus StepDoubling::run(Integrators& integrators, const StepContext& context, double end) {
+StepStatus StepDoubling::run(Integrators& integrators, const StepContext& context, double end, double most) {
   const State& motion = context.run.path.motion;
-  const double begin = motion.time;
+  const double begin = motion.time, least_left = integrators.budget().left() - most;
   Count taken = 0;
-  while (motion.time < end) {
+  while (motion.time < end && integrators.budget().left() >= least_left) {
     const double limit = step_limit(context, Method::leapfrog, false), left = end - motion.time, known = context.run.course.contact.h;
     const double h = known > 0 ? tighter(known, limit) : limit;
     const double work = left / limit * step_work(context.model.body, context.drive, context.run, Method::leapfrog, limit);

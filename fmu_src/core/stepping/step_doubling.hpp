@@ -10,7 +10,8 @@ namespace softffd {
 class StepDoubling {
  public:
   explicit StepDoubling(const Run& run) : start_(run.path), landings_(run), coarse_(run.path.motion) {}
-  StepStatus run(Integrators& integrators, const StepContext& context, double end);
+  /// To `end`, or until so much work is spent.
+  StepStatus run(Integrators& integrators, const StepContext& context, double end, double most = infinity);
   Landings& landings() { return landings_; }
 
  private:

@@ -36,7 +36,7 @@ def test_a_file_wins_over_a_shipped_name(tmp_path, monkeypatch):
 def test_a_missing_file_names_the_shipped_scenes_and_the_nearest():
     line = problem("car_dorp")
     assert 'no such file or shipped scene, did you mean "car_drop"?' in line
-    assert "Shipped scenes: beam, bumper, car_ball, car_bump, car_drop, flat_pad, free" in line
+    assert "Shipped scenes: beam, bumper, bumper_mass, car_ball, car_bump, car_drop, drop_weight, flat_pad, free" in line
 
 
 def test_a_missing_file_hints_at_one_beside_it(tmp_path):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from browser import Browser, require_browser
 from live_pages import in_node, live_of, parts_by_name
 from scenes import GRAVITY, meshed
 from softffd import SoftffdError, simulate
@@ -37,12 +38,17 @@ def test_a_live_scene_leaves_free_bodies_free(scene):
     assert parts == {"floor": "input", "ball": "free", "crate": "free", "foot": "input"}
 
 
-def test_a_free_body_is_drawn_by_its_force_and_the_recording_runs_to_the_same_bits(scene, tmp_path):
+@pytest.fixture
+def paged(tmp_path):
     try:
         wasm_library()
     except SoftffdError:
         pytest.skip("no WebAssembly library in this installation")
-    page = write_live(scene, tmp_path / "live.html")
+    return lambda scene: write_live(scene, tmp_path / "live.html")
+
+
+def test_a_free_body_is_drawn_by_its_force_and_the_recording_runs_to_the_same_bits(paged, scene, tmp_path):
+    page = paged(scene)
     live = live_of(page)
     parts, long = parts_by_name(live), {"budget": 1e9}
     ball = live["open"]["parts"][parts["ball"]]
@@ -75,3 +81,21 @@ def test_a_free_body_is_drawn_by_its_force_and_the_recording_runs_to_the_same_bi
     assert sizes.max() == pytest.approx(ball["most"], rel=1e-12) and not force[0].any()
     turn = pulled["turns"][parts["crate"]]
     assert np.linalg.norm(turn) == pytest.approx(1.0) and abs(turn[0]) < 0.99
+
+
+@pytest.mark.full
+def test_the_mouse_draws_a_free_body_and_does_not_turn_it(paged, scene, tmp_path):
+    require_browser()
+    page = paged(scene.replace({"environment.gravity": None, "sphere": None}))
+    crate = "live.open.parts.findIndex(part => part.label === 'crate')"
+    with Browser(page, tmp_path) as browser:
+        browser.wait_for("typeof source === 'object' && !!now.outputs")
+        x, y = browser.ask(
+            f"(place => [canvas.offsetLeft + place[0] * canvas.clientWidth, canvas.offsetTop + place[1] * canvas.clientHeight])"
+            f"(on_pane(camera_matrix(camera_frame()), now.parts[{crate}].map((x, a) => x - centre[a])))"
+        )
+        browser.drag((x, y), (x, y - 60))
+        assert browser.ask(f"hand.part === {crate} && hand.turn === undefined")
+        browser.wait_for(f"Math.hypot(...now.parts[{crate}].map((x, a) => x - hand.target[a])) < 0.05 && !!now.at")
+        browser.mouse("mouseReleased", x, y - 60)
+        assert browser.ask("hand === null") and not browser.errors

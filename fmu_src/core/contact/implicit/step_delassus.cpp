@@ -40,7 +40,10 @@ void StepDelassus::factor(int from) {
 
 Eigen::Matrix3d StepDelassus::block(const SurfaceRow& a, const SurfaceRow& b) {
   Eigen::Matrix3d sum = (*this)(a.sample, b.sample);
-  if (free_) sum += free_->between(free_->handles(a), free_->handles(b));
+  if (free_) {
+    const Handles of_a = free_->handles(a);  // what is known of one row of a plane gives way to what is asked of the next
+    sum += free_->between(of_a, free_->handles(b));
+  }
   return sum;
 }
 

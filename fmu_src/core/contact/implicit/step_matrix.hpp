@@ -8,13 +8,13 @@ namespace softffd {
 
 /// The part of a free pin: its points move with it, by six unknowns, or one on a guide.
 struct FreePart {
-  const std::vector<int>* points;
-  Vec3 centre;              ///< of all that moves [m]
-  Vec3 guide;               ///< zero: none
-  double mass;              ///< [kg]
-  Eigen::Matrix3d inertia;  ///< in the world [kg m2]
-  Twist moved;              ///< since the step began: straight numbers, in which rounding is small
-  Wrench lack;              ///< of its own equation: what its loads and its inertia leave, the points' inertia in their own rows [N], [N m]
+  const std::vector<int>* points = nullptr;
+  Vec3 centre = Vec3::Zero();                         ///< of all that moves [m]
+  Vec3 guide = Vec3::Zero();                          ///< zero: none
+  double mass = 0;                                    ///< [kg]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< in the world [kg m2]
+  Twist moved = {};                                   ///< since the step began: straight numbers, in which rounding is small
+  Wrench lack = {};  ///< of its own equation: what its loads and its inertia leave, the points' inertia in their own rows [N], [N m]
 
   int unknowns() const { return guide.isZero(0) ? 6 : 1; }
   /// By which unknown i moves a point at the end of an arm from the centre.
@@ -82,9 +82,9 @@ class StepMatrix {
 
   LatticeMatrix matrix_;
   std::vector<FreePart> parts_;
-  Points at_;                   ///< positions that they were condensed at [m]
+  Points at_;  ///< positions that they were condensed at [m]
   std::vector<Column> columns_;
-  Eigen::MatrixXd condensed_;   ///< inverse of what is left for the parts' unknowns
+  Eigen::MatrixXd condensed_;  ///< inverse of what is left for the parts' unknowns
   std::vector<bool> pinned_;
   Points x_;                  ///< that K is made at
   Linearisation linearised_;  ///< and how

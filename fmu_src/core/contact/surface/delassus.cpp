@@ -51,7 +51,7 @@ void Delassus::set_normals(const std::vector<Vec3>& normals) {
 
 void Delassus::set_masses(const Scalars& inverse) {
   inverse_ = inverse;
-  const std::vector<SurfaceRow> rows = rows_;
+  const std::vector<SurfaceRow> rows = free_ ? std::vector<SurfaceRow>() : rows_;  // handles are of the places before
   rows_.clear();
   set_rows(rows);
 }
