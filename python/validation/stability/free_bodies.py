@@ -7,11 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from softffd.fmu.block import Block
-from softffd.rotation import between_orientations, turned
+from softffd.rotation import matrices
 from softffd.scene.scene import Scene
-
-UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
-
 
 class FreeBodies:
     """Those of a scene, obstacles first; block: of the variables of a name."""
@@ -31,8 +28,7 @@ class FreeBodies:
 
     def axes(self, name: str) -> np.ndarray:
         """Its own (3, 3), in rows."""
-        turn = between_orientations(UPRIGHT, self._get(name, "orientation"))
-        return np.array([turned(axis, turn) for axis in np.eye(3)])
+        return matrices(self._get(name, "orientation")[None])[0].T
 
     def place(self, name: str) -> np.ndarray:
         """Of its centre (3,) [m]."""
