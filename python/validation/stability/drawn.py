@@ -7,7 +7,7 @@ which differ with the processor. Whoever adds a draw adds it at the end of its f
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -110,9 +110,10 @@ class Drawn:
     tolerance: float  # relative to the largest side
     planes: dict[str, tuple[np.ndarray, Course]]  # normals or axes at the start, and courses; all obstacles
     pins: dict[str, Course] = field(default_factory=dict)  # those that move
-    loads: dict[str, Ramp] = field(default_factory=dict)
+    loads: dict[str, Ramp] = field(default_factory=dict)  # and forces on free bodies, by the names of their inputs
     surface: Shape | None = None  # of the object, where obstacles meet it
     body: str = ""  # what it is
+    free: tuple[str, ...] = ()  # obstacles and pins that no course leads
 
     @property
     def duration(self) -> float:
@@ -132,14 +133,21 @@ class Drawn:
             values: dict[str, Any] = {"position": point, "orientation": _quaternion(angle), "velocity": velocity, "angular_velocity": spin}
             drive.set(**{f"pin.{name}.{what}": value for what, value in values.items()})
         for name, ramp in self.loads.items():
-            drive.set(**{f"load.{name}": ramp.at(time)})
+            drive.set(**{name: ramp.at(time)})
             if ramp.linear:
-                drive.set_rates(f"load.{name}", (ramp.at(time + length) - ramp.at(time)) / length)
+                drive.set_rates(name, (ramp.at(time + length) - ramp.at(time)) / length)
 
     def gaps(self, places: np.ndarray, time: float) -> dict[str, np.ndarray]:
-        """How far places (n, 3) [m] are from every obstacle at a time [s], (n,) [m]; negative behind or in it."""
+        """How far places (n, 3) [m] are from every led obstacle at a time [s], (n,) [m]; negative behind or in it."""
         poses = {name: (course.at(time)[0], course.turned(normal, time)) for name, (normal, course) in self.planes.items()}
-        return {each["name"]: gap(kind, each, places, *poses[each["name"]], *self._across(each, time)) for kind, each in self._obstacles()}
+        led = [(kind, each) for kind, each in self._obstacles() if each["name"] in poses]
+        return {each["name"]: gap(kind, each, places, *poses[each["name"]], *self._across(each, time)) for kind, each in led}
+
+    def gaps_of_free(self, places: np.ndarray, poses: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> dict[str, np.ndarray]:
+        """Likewise from free obstacles, whose centres (3,) [m] and axes (3, 3), in rows, are given by KIND.NAME."""
+        free = [(kind, each) for kind, each in self._obstacles() if f"{kind}.{each['name']}" in poses]
+        found = {f"{kind}.{each['name']}": (kind, each) for kind, each in free}
+        return {name: gap(kind, each, places, poses[name][0], poses[name][1][2], poses[name][1][0]) for name, (kind, each) in found.items()}
 
     def _across(self, obstacle: dict[str, Any], time: float) -> list[np.ndarray]:
         """The first axis of a box."""
@@ -175,8 +183,8 @@ class Drawn:
             " x ".join(map(str, lattice["points"])) + (f" with {self.body}" if self.body else ""),
             *_material_words(document["material"]),
             *(_region_words(region) for region in document["region"]),
-            *(f"{kind} {each['motion']}, mu {each['friction']:g}" for kind, each in self._obstacles()),
-            *(f"pin {each['motion']}" for each in document["pin"]),
+            *(f"{kind} {_motion_words(each)}, mu {each['friction']:g}" for kind, each in self._obstacles()),
+            *(f"pin {_motion_words(each)}" for each in document["pin"]),
             *(f"load {np.linalg.norm(ramp.force):.1e}{' ramped' * (ramp.length > 0)}" for ramp in self.loads.values()),
             f"tol {self.tolerance:.1e}",
             f"H {min(self.lengths):.1e}" + f" to {max(self.lengths):.1e}" * (len(set(self.lengths)) > 1),
@@ -191,6 +199,10 @@ def _material_words(material: dict[str, Any]) -> list[str]:
     else:
         stiff = "k " + "/".join(f"{material['stiffness'][kind]:.1e}" for kind in ("edge", "face", "body"))
     return [stiff, f"d {material['damping']:.1e}"]
+
+
+def _motion_words(part: dict[str, Any]) -> str:
+    return part["motion"] + (f" {part['mass']:.1e} kg{' guided' * ('guide' in part)}" if "mass" in part else "")
 
 
 def _region_words(region: dict[str, Any]) -> str:
@@ -353,4 +365,4 @@ def _loads(draws: Draws, stiffness: float, duration: float) -> tuple[list[dict[s
         return [], {}
     face, size = draws.one_of(FACES), min(draws.log(0.1, 30.0), 0.02 * stiffness)
     ramp = Ramp(_rounded(size * draws.direction()), duration * draws.between(0.2, 1.0) * draws.chance(0.6), draws.chance(0.5))
-    return [{"name": "push", "points": face}], {"push": ramp}
+    return [{"name": "push", "points": face}], {"load.push": ramp}

@@ -51,7 +51,7 @@ def drawn_solids(seed: int) -> Drawn:
     courses = {}
     for plane in scene.document["plane"]:
         normal, course = scene.planes[plane["name"]]
-        kind, shape, axis, depth = _solid(draws, size, normal)
+        kind, shape, axis, depth = solid_at(draws, size, normal)
         point = course.point - depth * normal
         keys = plane | shape | {"point": point.tolist()}
         if kind != "cylinder":
@@ -63,9 +63,11 @@ def drawn_solids(seed: int) -> Drawn:
     return replace(scene, document=scene.document | sections, planes=courses)
 
 
-def _solid(draws: Draws, size: float, normal: np.ndarray) -> tuple[str, dict[str, Any], np.ndarray, float]:
-    """The section, its keys, the axis, and how far the centre is below the outermost point in the direction of a normal [m]."""
-    radius, length = draws.log(0.1, 10.0) * size, draws.log(0.3, 10.0) * size
+def solid_at(draws: Draws, size: float, normal: np.ndarray, most: float = 10.0) -> tuple[str, dict[str, Any], np.ndarray, float]:
+    """The section, its keys, the axis, and how far the centre is below the outermost point in the direction of a normal [m].
+
+    most: the largest radius and length by the size [m]."""
+    radius, length = draws.log(0.1, most) * size, draws.log(0.3, most) * size
     across = np.cross(normal, draws.direction())
     across = across / np.sqrt((across**2).sum())
     kind = draws.one_of(("sphere", "cylinder", "cylinder", "box", "box"))

@@ -26,6 +26,7 @@ from validation.guard import Lost
 from validation.stability.drawn import Drawn, drawn
 from validation.stability.drawn_bodies import drawn_damped, drawn_solids, drawn_surface
 from validation.stability.drawn_elements import drawn_elements
+from validation.stability.drawn_free import drawn_free
 from validation.stability.drive import GRAVITY, Drive, Refused, StateTouched
 from validation.stability.verdict import STATED, stated_errors
 
@@ -55,13 +56,13 @@ result that is not finite, a control point behind a plane, energy that has doubl
 state."""
 FAULTS = ("SILENT", "WRONG")
 
-FAMILIES = {"lattice": drawn, "surface": drawn_surface, "solids": drawn_solids, "damped": drawn_damped, "elements": drawn_elements}
-"""What meets obstacles, the control points or the object's own surface, and solid ones; bodies with internal damping; finite elements"""
+FAMILIES = {"lattice": drawn, "surface": drawn_surface, "solids": drawn_solids, "damped": drawn_damped, "elements": drawn_elements, "free": drawn_free}
+"""What meets obstacles, the control points or the object's own surface, and solid ones; bodies with internal damping; finite elements; masses beside them"""
 
 
 @dataclass(frozen=True)
 class Run:
-    """One run: where the control points, or the nodes of finite elements, are at its end."""
+    """One run: where the control points, or the nodes of finite elements, and points of free bodies are at its end."""
 
     x: np.ndarray | None  # (n, 3) [m]; None: it did not get there
     words: str = ""  # why it did not
@@ -159,7 +160,8 @@ def _followed(drive: Drive, scene: Drawn, settings: dict[str, Any], tolerance: f
     stated = stated_errors(drive, scene.duration)
     steps, elapsed = int(drive.value("solver.steps")), clock.perf_counter() - began
     methods = tuple(dict.fromkeys(method for method, _ in drive.simulation.methods()))
-    return Run(drive.material_points, stated=stated, warnings=warnings, methods=methods, internal_steps=steps, run_time=elapsed)
+    x = np.concatenate([drive.material_points, drive.free.marks])
+    return Run(x, stated=stated, warnings=warnings, methods=methods, internal_steps=steps, run_time=elapsed)
 
 
 def _broken(drive: Drive, scene: Drawn) -> str:
@@ -170,7 +172,8 @@ def _broken(drive: Drive, scene: Drawn) -> str:
     if scene.surface is None:
         held = {p for pin in scene.document["pin"] for p in drive.scene.select(pin["points"]).tolist()}
         free = np.delete(free, sorted(held), axis=0)
-    for name, gaps in scene.gaps(free, drive.time).items():
+    poses = {name: (drive.free.place(name), drive.free.axes(name)) for name in drive.free.names}
+    for name, gaps in (scene.gaps(free, drive.time) | scene.gaps_of_free(free, poses)).items():
         behind = -float(gaps.min(initial=0.0)) / drive.side
         if behind > BEHIND:
             return f"{behind:.1e} of the box behind obstacle {name} at {drive.time:.3g} s"

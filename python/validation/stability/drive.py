@@ -26,6 +26,7 @@ from validation.mechanics import Body
 from validation.patches import Patches
 from validation.resolved import resolved
 from validation.shapes import Shape, write
+from validation.stability.free_bodies import FreeBodies
 
 GRAVITY = 9.81
 DOWN = {"gravity": [0.0, 0.0, -GRAVITY]}
@@ -93,6 +94,7 @@ class Drive:
             points = list(all_points(self.scene.lattice.points))
             self._x, self._v = (self.simulation.block(variable_names(family, points)) for family in ("position", "velocity"))
             self._blocks: dict[str, Block] = {}
+            self.free = FreeBodies(self.scene, self._block)
             self._fixtures = [str(obstacle.part) for obstacle in self.scene.obstacles] + [f"pin.{pin.name}" for pin in self.scene.pin]
             self._start()
         except BaseException:
@@ -222,11 +224,11 @@ class Drive:
         return self.mass @ np.cross(x - self.centre, v - self.momentum / self.mass.sum())
 
     def energy(self) -> float:
-        """Kinetic, elastic and gravity energy of the body as it is now [J], by numpy and not by the FMU's outputs."""
+        """Kinetic, elastic and gravity energy of the body and the free ones as they are now [J], by numpy and not by the FMU's energies."""
         x, v = self.material_points, self._material_points(self.v)
         elastic = self.body.elastic_energy(x) if self._patches is None else float(self._patches.energy(x))
         gravity = np.array(self.scene.environment.gravity or (0.0, 0.0, 0.0))
-        return self.body.kinetic_energy(v) + elastic - float(self.mass @ (x @ gravity))
+        return self.body.kinetic_energy(v) + elastic - float(self.mass @ (x @ gravity)) + self.free.energy()
 
     def balance(self) -> float:
         """What the FMU's own energies miss: now, with what was dissipated and less the work, minus the start [J]."""
