@@ -205,7 +205,7 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   free_start_ = free;
   set_free(step.around, free_start_, step.x0);
   if (near_) {
-    places_known_ = hold_drift(step, v, x1, rows);
+    places_known_ = drift_.free() ? hold_free_drift(step, x1, rows) : hold_drift(step, v, x1, rows);
     if (const StepStatus status = places_known_ ? StepStatus::ok : position_stage(step, v, x1, rows); status != StepStatus::ok)
       return status;
     if (!drift_.rows.empty()) {
@@ -400,7 +400,7 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   set_free(step.around, before, step.x0);
   if (holds_) lasting_ = touching_;
   close_.rows = drift_.rows;
-  if (!hold_close(step, v, touching_)) {
+  if (!(close_.free() ? hold_free_close(step, v) : hold_close(step, v, touching_))) {
     if (known_ < 0 || !find_stop_of_known(step, v, rows)) {
       if (known_ >= 0) list_touching();
       if (const StepStatus status = find_stop(touching_, step, v, rows); status != StepStatus::ok) return status;

@@ -104,6 +104,8 @@ class SurfaceContact {
   // surface_hold.cpp
   bool recall(const std::vector<Count>& numbers, SurfaceStage& stage) const;
   bool hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
+  bool hold_free_drift(const StepView& step, const Points& x1, const SurfaceRows& rows);
+  bool hold_free_close(const StepView& step, const Points& v);
   bool list_held(double h, const Points& v);
   bool hold_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates);
   bool fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip);
