@@ -339,6 +339,7 @@ void SoftBody::look_at_planes() {
 void SoftBody::restore(const Run& run, double start_time) {
   forget_shown();
   refresh_model();
+  refresh_free_bodies();
   start_time_ = start_time;
   now_ = run;
 }
