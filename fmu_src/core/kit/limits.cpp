@@ -90,7 +90,7 @@ double turning_limit(const StepContext& context, const Points& x, const Points& 
 
 double growing(const StepContext& context, const State& a, const State& b, double stretch) {
   const Scalars &time_scale = context.model.time_scale, &memory = context.model.memory;
-  double error = free_bodies_apart(context, a, b, stretch) * std::max(1.0, context.request.horizon / stretch);
+  double error = free_bodies_apart(context, a, b, true) * std::max(1.0, context.request.horizon / stretch);
   for (int i = 0; i < memory.size(); ++i) {
     const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]) * time_scale[i];
     if (!(dx < infinity && dv < infinity)) return infinity;
