@@ -24,7 +24,10 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PAGES = ROOT / "build" / "docs" / "pages"
 COPIED = ("README.md", "CHANGELOG.md", "docs/*.md", "docs/*.png", "docs/tutorials/*.md", "examples/**/*", "fmu_src/*/README.md")
-SHOWN = ("car_drop", "car_bump", "car_ball", "press", "hanging", "incline", "stiff_bounce", "spin", "pad", "flat_pad", "beam", "bumper")
+SHOWN = (
+    *("car_drop", "car_bump", "car_ball", "press", "hanging", "incline", "stiff_bounce", "spin", "pad", "flat_pad", "beam", "bumper"),
+    *("bumper_mass", "drop_weight", "isolator"),
+)
 """Shipped scenes that are worth a look and take seconds"""
 GALLERY = """# Gallery
 

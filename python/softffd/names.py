@@ -7,7 +7,8 @@ Names have two forms, of which a scene chooses one for its FMU (fmu.names): *str
 the place of points, commas and brackets: `position_0_1_2_x`, `plane_ground_point_z`. Either form is understood wherever names are read.
 A flat name is that of the part with the shortest name it can be of: `plane_a_angular_velocity_x` belongs to the plane a. A scene with flat
 names has no part whose variables would be taken for another's (`mistaken`).
-The pose of a fixed obstacle has the same names as that of an input; as family it counts the first in the table, the input.
+The pose of a fixed obstacle, and the motion of a free body, have the same names as those of an input; as family they count the first in the
+table, the input.
 """
 
 import re

@@ -32,10 +32,12 @@ double squared_forces(const Equations& equations, const State& state) {
 
 void start(EnergyAccount& account, const Equations& equations, const State& state, double work) {
   account.kinetic_elastic = kinetic_and_elastic(equations.body, state);
+  double exchanged = account.kinetic_elastic;  // with free bodies
+  for (const FreeMotion& each : equations.around.free) exchanged += each.kinetic_energy(state.free[each.index()]);
   account.forces = squared_forces(equations, state);
   account.received = 0;
-  account.largest = std::max(account.largest, account.kinetic_elastic);
-  account.recent = std::max(account.recent, account.kinetic_elastic);
+  account.largest = std::max(account.largest, exchanged);
+  account.recent = std::max(account.recent, exchanged);
   account.due = work + (equations.body.damped ? damped_pause : pause);
 }
 

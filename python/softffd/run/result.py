@@ -209,7 +209,7 @@ class Result:
         recorded.
         """
         require_name("plane", name, self.plane_names())
-        if self._is_free(name):
+        if self.is_free(name):
             return self._of_body("position", name), self._axes(name)[..., 2]
         age = self._age(name)
         points = self._of_plane("point", name) + age * self._of_plane("velocity", name)
@@ -220,13 +220,13 @@ class Result:
     def edges(self, name: str) -> np.ndarray:
         """Directions of a box's edges over time, in columns (T, 3, 3); FmuError with the nearest name for an obstacle that is no box."""
         require_name("box", name, [part.name for part in self.obstacle_parts() if part.kind == "box"])
-        if self._is_free(name):
+        if self.is_free(name):
             return self._axes(name)
         rotation, turn = self._of_plane("rotation", name), self._age(name) * self._of_plane("angular_velocity", name)
         return np.stack([turned(turned(np.broadcast_to(axis, turn.shape), rotation), turn) for axis in np.eye(3)], axis=-1)
 
-    def _is_free(self, name: str) -> bool:
-        """Has it a mass of its own?"""
+    def is_free(self, name: str) -> bool:
+        """Whether an obstacle is a free body, with a mass of its own."""
         return variable_name("body_mass", self._part(name)) in self.parameters
 
     def _axes(self, name: str) -> np.ndarray:

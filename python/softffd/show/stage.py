@@ -22,7 +22,10 @@ OBSTACLES = ((0.63, 0.67, 0.73), (0.34, 0.71, 0.91), (0.80, 0.47, 0.65), (0.0, 0
 """Colours that remain apart for the colour-blind, and from the object's paint: its control points, the obstacles in turn."""
 
 VIEW = (-1.0, 0.27)  # from where one looks first, rad: about the up direction, and above the horizon
-BESIDE = 0.15  # how far beside the lattice a solid is in view, as a share of the diagonal of the lattice's box
+BESIDE, AROUND = (
+    0.15,
+    1.0,
+)  # how far beside the lattice a solid, or a free body, is in view, as a share of the diagonal of the lattice's box
 GLANCES = 50  # frames, evenly chosen, whose solids are to be in view
 
 
@@ -57,9 +60,10 @@ class PlaneTrack(Track):
 
 @dataclass(frozen=True, eq=False)
 class SolidTrack(Track):
-    """A solid obstacle over time, by its centre."""
+    """A solid obstacle over time, by its centre. `in_view`: how far beside the lattice it is to be seen, as a share of its diagonal."""
 
     form: Form
+    in_view: float = BESIDE
 
     def surface(self, frame: int) -> tuple[np.ndarray, np.ndarray]:
         """Vertices (V, 3) [m] and their normals (V, 3) in a frame."""
@@ -193,7 +197,7 @@ def _flat(result: Result) -> list[str]:
 def beside(covered: np.ndarray, solid: SolidTrack, frame: int) -> np.ndarray:
     """What is in view of a solid in a frame, as a box: ends (2, 3) [m]; covered: those of the box that the lattice covers, and what it is
     where the solid is far from it."""
-    margin = BESIDE * np.linalg.norm(covered[1] - covered[0])
+    margin = solid.in_view * np.linalg.norm(covered[1] - covered[0])
     least, most = covered[0] - margin, covered[1] + margin
     places = solid.surface(frame)[0]
     low, high = places.min(axis=0), places.max(axis=0)
@@ -238,13 +242,14 @@ def _solid_track(solid: SolidShape, tint: Tint, result: Result, covered: np.ndar
     """The pole of a sphere, which looks the same however it is turned, is where the lattice's box is."""
     form = form_of(solid, float(np.linalg.norm(covered[1] - covered[0])))
     points, normals = result.plane(solid.name)
+    in_view = AROUND if result.is_free(solid.name) else BESIDE
     if solid.kind == "box":
-        return SolidTrack(solid.name, tint, points, normals, result.edges(solid.name)[..., 0], form)
+        return SolidTrack(solid.name, tint, points, normals, result.edges(solid.name)[..., 0], form, in_view)
     if solid.kind == "sphere":
         way = covered.mean(axis=0) - points
         normals = np.where(np.any(way, axis=1, keepdims=True), way, [0.0, 0.0, 1.0])
     normals = unit(normals)
-    return SolidTrack(solid.name, tint, points, normals, _tangents(normals), form)
+    return SolidTrack(solid.name, tint, points, normals, _tangents(normals), form, in_view)
 
 
 def _tangents(normals: np.ndarray) -> np.ndarray:

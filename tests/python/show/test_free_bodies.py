@@ -48,6 +48,12 @@ def test_the_stage_has_them_where_their_outputs_are(run):
     assert np.linalg.norm(ends, axis=1) == pytest.approx(1.0, abs=1e-12)
 
 
+def test_what_flies_past_is_in_view_as_far_as_the_lattice_is_large(run):
+    stage = stage_of(run)
+    low, high = stage.centre - stage.half, stage.centre + stage.half
+    assert low[0] == pytest.approx((run.plane("log")[0][:, 0]).min() - 0.3, abs=0.1) and high[0] > 1.9
+
+
 def test_a_run_that_did_not_record_where_they_are_says_so(run):
     kept = {name: values for name, values in run.outputs.items() if not name.startswith("box.crate.orientation")}
     with pytest.raises(

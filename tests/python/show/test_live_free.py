@@ -18,7 +18,7 @@ PARTS = {
         {
             "name": "crate",
             "size": [0.3, 0.4, 0.5],
-            "point": [1.8, 0.5, 0.5],
+            "point": [1.4, 0.5, 0.5],
             "motion": "free",
             "mass": 2.0,
             "angular_velocity": [1.0, 2.0, 3.0],

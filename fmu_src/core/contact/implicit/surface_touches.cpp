@@ -17,6 +17,8 @@ constexpr double response_roundings = 2;
 
 /// By which normals of tangents may still turn where a solution settles [1]: the gap that it leaves is of second order in it.
 constexpr double most_turn = 1e-6;
+/// By which a free obstacle may [rad]; its samples are behind it by the square.
+constexpr double most_free_turn = 1e-7;
 
 constexpr auto by_row = [](const auto& a, const auto& b) { return a.row < b.row; };
 
@@ -194,7 +196,7 @@ StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
   if (solids) {
     covered_ = tangents_.covers(tangents_.way(problem.x0, problem.x + move_));
     solution_.settled = solution_.settled && covered_ && tangents_stand(problem);
-    for (const Twist& each : free_rows_.twists()) solution_.settled = solution_.settled && each.turn.norm() <= most_turn;
+    for (const Twist& each : free_rows_.twists()) solution_.settled = solution_.settled && each.turn.norm() <= most_free_turn;
   }
   solution_.change = move_;
   matrix_.forces_of(problem, move_, solution_.reaction);

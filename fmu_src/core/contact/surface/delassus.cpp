@@ -51,6 +51,7 @@ void Delassus::set_normals(const std::vector<Vec3>& normals) {
 
 void Delassus::set_masses(const Scalars& inverse) {
   inverse_ = inverse;
+  of_masses_.clear();
   const std::vector<SurfaceRow> rows = free_ ? std::vector<SurfaceRow>() : rows_;  // handles are of the places before
   rows_.clear();
   set_rows(rows);
@@ -58,9 +59,18 @@ void Delassus::set_masses(const Scalars& inverse) {
 
 void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
   if (sorted_ && rows == rows_ && !free_) return;
+  list_rows(rows);
+  factor(0);
+}
+
+/// Of the same samples G is as it was.
+void Delassus::list_rows(const std::vector<SurfaceRow>& rows) {
+  const bool same = free_ && sorted_ && std::ranges::equal(rows, rows_, {}, &SurfaceRow::sample, &SurfaceRow::sample);
   rows_ = rows;
   handles_.clear();
   for (std::size_t s = 0; s < rows.size() && free_; ++s) handles_.push_back(free_->handles(rows[s]));
+  sorted_ = true;
+  if (same) return;
   const int n = size(), width = samples_->support();
   operations_.spend(n * (weights_work + 0.5 * n * width));
   over_mass_.resize(std::size_t(n) * width);
@@ -70,8 +80,6 @@ void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
   g_.resize(start(n));
   for (int s = 0; s < n; ++s)
     for (int t = 0; t <= s; ++t) g_[start(s) + t] = element(rows_[s], over_mass(s), rows_[t], over_mass(t));
-  factor(0);
-  sorted_ = true;
 }
 
 /// With those of the rows from here on. A row that is dropped leaves its own, which cost time and change nothing.
@@ -106,6 +114,20 @@ Eigen::Matrix3d Delassus::block(int s, int t) const {
   Eigen::Matrix3d sum = (*this)(s, t) * Eigen::Matrix3d::Identity();
   if (free_) sum += free_->between(handles_[s], handles_[t]);
   return sum;
+}
+
+void Delassus::stick(const std::vector<Vec3>& away, std::vector<Vec3>& forces) {
+  const int n = size();
+  bool known = int(of_masses_.size()) == n;
+  for (int s = 0; s < n && known; ++s) known = of_masses_[s] == rows_[s].sample;
+  if (!known) {
+    of_masses_.clear();
+    for (const SurfaceRow& row : rows_) of_masses_.push_back(row.sample);
+    operations_.spend(n * (1.0 * n) * n / 6);
+    masses_.factor(n, 0, [&](int i, int j) { return g_[start(i) + j]; }, [&](int i) { return g_[start(i) + i]; });
+  }
+  operations_.spend(14.0 * n * n + 500.0 * n);
+  free_->stick(handles_, away, [&](double* columns) { masses_.solve_together(columns); }, forces);
 }
 
 void Delassus::move_gaps(const Points& move, std::vector<GapFunction>& gaps) const {

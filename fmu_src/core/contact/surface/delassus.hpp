@@ -42,6 +42,8 @@ class Delassus {
   void set_normals(const std::vector<Vec3>& normals);
   /// These rows, sorted, in the place of those at hand.
   void set_rows(const std::vector<SurfaceRow>& rows);
+  /// The same without the factor, for `stick`.
+  void list_rows(const std::vector<SurfaceRow>& rows);
 
   int size() const { return int(rows_.size()); }
   const std::vector<SurfaceRow>& rows() const { return rows_; }
@@ -75,6 +77,8 @@ class Delassus {
   /// The same with `together` columns, b (size, together) row by row.
   static constexpr int together = RowFactor::together;
   void solve_together(double* b) const { factor_.solve_together(b); }
+  /// Forces by which the rows stick that are away from where they would [m], where bodies are free.
+  void stick(const std::vector<Vec3>& away, std::vector<Vec3>& forces);
   /// gaps = begin, moved by these forces of the rows along their normals.
   void apply_impulses(const std::vector<double>& forces, const std::vector<GapFunction>& begin, std::vector<GapFunction>& gaps);
   /// values_i += f W_si / m_i for row s.
@@ -108,6 +112,8 @@ class Delassus {
   std::vector<double> over_mass_;  ///< W / m of each row, (support) each
   FreeRows* free_ = nullptr;
   std::vector<Handles> handles_;  ///< of the rows, where there are free bodies
+  RowFactor masses_;              ///< of G alone, for these samples
+  std::vector<int> of_masses_;
   PointRange range_;
   std::vector<double> g_;  ///< lower triangle, row by row
   RowFactor factor_;

@@ -12,6 +12,8 @@ namespace {
 
 /// Looks for samples until those that a stage has brought to a plane are among them.
 constexpr int most_looks = 20;
+/// Lifts of tangents for the turn of a free obstacle.
+constexpr int most_lifts = 5;
 /// Share of what contact does to the kinetic energy that is rounding.
 constexpr double no_gain = 1e-10;
 /// Of its limit, friction that a step begins to look at.
@@ -205,9 +207,15 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   free_start_ = free;
   set_free(step.around, free_start_, step.x0);
   if (near_) {
-    places_known_ = hold_drift(step, v, x1, rows);
-    if (const StepStatus status = places_known_ ? StepStatus::ok : position_stage(step, v, x1, rows); status != StepStatus::ok)
-      return status;
+    places_known_ = drift_.free() ? hold_free_drift(step, x1, rows) : hold_drift(step, v, x1, rows);
+    StepStatus status = places_known_ ? StepStatus::ok : position_stage(step, v, x1, rows);
+    for (int turns = 0; turns < most_lifts && status == StepStatus::ok && lift_tangents(step, x1, free); ++turns) {
+      places_known_ = false;
+      touching_.clear();
+      find_heights(x1);
+      status = position_stage(step, v, x1, rows);
+    }
+    if (status != StepStatus::ok) return status;
     if (!drift_.rows.empty()) {
       drift_.give(1 / step.h, v, &x1);
       exchange.contacts_resolved += Count(drift_.rows.size());
@@ -258,6 +266,36 @@ double SurfaceContact::obstacles_way(const Drive& around) const {
     most = std::max(most, twist.move.norm() + around.planes[each.body().plane].size() * twist.turn.norm());
   }
   return most;
+}
+
+/// Where an obstacle has turned by its rows, samples may be behind it by the square of that: lifts their tangents by as much. Returns whether
+/// any was.
+bool SurfaceContact::lift_tangents(const StepView& step, const Points& x1, const std::vector<FreeState>& free) {
+  if (drift_.rows.empty() || std::ranges::all_of(free_rows_.twists(), [](const Twist& each) { return each.turn.isZero(0); })) return false;
+  bool lifted = false;
+  const double slack = 2 * slack_of_rows(), way = tangents_.way(step.x0, x1 + drift_.move());
+  std::vector<FreeState> moved = free;
+  for (const FreeMotion& each : step.around.free) {
+    FreeState& state = moved[each.index()] = each.flown(free[each.index()], step.t1);
+    state.position += free_rows_.twists()[each.index()].move;
+    state.orientation = turned(state.orientation, free_rows_.twists()[each.index()].turn);
+  }
+  for (std::size_t i = 0; i < tangents_.found().size(); ++i) {
+    const Tangent& found = tangents_.found()[i];
+    const Plane& solid = step.around.planes[found.obstacle];
+    if (!solid.own) continue;
+    const FreeMotion& own = *solid.own;
+    const double turn = free_rows_.twists()[own.index()].turn.norm(), size = solid.size();
+    const double arms = turn * size + way + (own.at(step.t1).position - own.state().position).norm() + step.h * own.spin(own.state()).norm() * size;
+    const int q = flat_ + int(i);
+    if (turn * arms <= slack || drift_.gaps[q].of_sample > turn * arms) continue;
+    const Vec3 place = samples_.at(found.sample, x1) + samples_.at(found.sample, drift_.move());
+    const double gap = tangent(solid, solid.pose_of(moved[solid.own->index()]), place).gap(place);
+    if (gap >= -slack) continue;
+    end_[q].offset -= gap;
+    lifted = true;
+  }
+  return lifted;
 }
 
 /// The drift's stage, until no other samples may have come to a solid by it.
@@ -400,7 +438,7 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   set_free(step.around, before, step.x0);
   if (holds_) lasting_ = touching_;
   close_.rows = drift_.rows;
-  if (!hold_close(step, v, touching_)) {
+  if (!(close_.free() ? hold_free_close(step, v) : hold_close(step, v, touching_))) {
     if (known_ < 0 || !find_stop_of_known(step, v, rows)) {
       if (known_ >= 0) list_touching();
       if (const StepStatus status = find_stop(touching_, step, v, rows); status != StepStatus::ok) return status;

@@ -85,6 +85,7 @@ class SurfaceContact {
   void set_planes();
   void set_free(const Drive& around, const std::vector<FreeState>& free, const Points& x);
   void give_free(const SurfaceStage& stage, const Drive& around, double rate, bool move, std::vector<FreeState>& free) const;
+  bool lift_tangents(const StepView& step, const Points& x1, const std::vector<FreeState>& free);
   double obstacles_way(const Drive& around) const;
   void book_free(const StepView& step, const std::vector<FreeState>& free, Exchange& exchange) const;
   void move_planes(const StepView& step);
@@ -104,6 +105,8 @@ class SurfaceContact {
   // surface_hold.cpp
   bool recall(const std::vector<Count>& numbers, SurfaceStage& stage) const;
   bool hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
+  bool hold_free_drift(const StepView& step, const Points& x1, const SurfaceRows& rows);
+  bool hold_free_close(const StepView& step, const Points& v);
   bool list_held(double h, const Points& v);
   bool hold_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates);
   bool fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip);

@@ -56,6 +56,73 @@ bool SurfaceContact::hold_drift(const StepView& step, const Points& v, const Poi
   return true;
 }
 
+/// The same of rows on solids, beside free bodies.
+bool SurfaceContact::hold_free_drift(const StepView& step, const Points& x1, const SurfaceRows& rows) {
+  const double slack = slack_of_rows(), touch = touching * length_;
+  std::vector<SurfaceRow>& held = drift_.rows;
+  held.clear();
+  away_.clear();
+  places_.clear();
+  for (const Count number : rows.drift) {
+    if (number < 0) break;
+    const auto [obstacle, sample] = row_of(number);
+    const int at = obstacle < flat_ ? -1 : tangents_.index(obstacle, sample);
+    if (at < 0) return false;
+    const int q = flat_ + at;
+    const Vec3 begin = samples_.at(sample, step.x0), free = samples_.at(sample, x1);
+    if (start_[q].gap(begin) > touch) return false;  // it arrives
+    const Vec3 slip = free - begin - step.h * middle_[q].material_velocity(0.5 * (begin + free));
+    held.push_back({q, sample});
+    away_.push_back(end_[q].gap(free) * end_[q].normal);
+    if (friction_[q] > 0) away_.back() += tangential(end_[q].normal, slip);
+    else
+      return false;  // what slides is for the stage
+    places_.push_back(free);
+  }
+  if (held.empty() || !std::ranges::is_sorted(held)) return false;
+  for (int q = 0; q < flat_; ++q)
+    if (!search_.covers(q, drift_.gaps[q].of_points) || !search_.near(q).empty()) return false;
+  const std::vector<GapFunction> before = drift_.gaps;
+  bool holds = drift_.hold_free(away_) && tangents_.covers(tangents_.way(step.x0, x1 + drift_.move()) + obstacles_way(step.around));
+  for (int q = 0; q < flat_ && holds; ++q) holds = search_.covers(q, drift_.gaps[q].of_points);
+  for (int q = flat_; q < int(end_.size()) && holds; ++q) {
+    const double gap = drift_.gaps[q].of_sample;
+    holds = gap >= -slack;
+    if (gap <= touch) touching_.push_back({.row = {q, tangents_.found()[q - flat_].sample}, .gap = gap});
+  }
+  if (!holds) {
+    touching_.clear();
+    drift_.gaps = before;
+    return false;
+  }
+  for (std::size_t t = 0; t < held.size(); ++t) places_[t] += samples_.at(held[t].sample, drift_.move());
+  lands_ = false;
+  return true;
+}
+
+bool SurfaceContact::hold_free_close(const StepView& step, const Points& v) {
+  const std::vector<SurfaceRow>& rows = close_.rows;
+  if (rows.empty() || std::ranges::any_of(rows, [&](const SurfaceRow& row) { return row.plane < flat_ || !(friction_[row.plane] > 0); }))
+    return false;
+  double fastest = largest_speed(v);
+  std::vector<double> bounds;
+  for (std::size_t q = 0; q < end_.size(); ++q) close_.gaps[q].find(samples_, v, end_[q].normal, 0);
+  const auto material = [&](const SurfaceRow& row) { return end_[row.plane].material_velocity(samples_.at(row.sample, step.x0)); };
+  away_.clear();
+  for (const SurfaceRow& row : rows) away_.push_back(samples_.at(row.sample, v) - material(row));
+  for (const Candidate& each : touching_) {
+    bounds.push_back(end_[each.row.plane].normal.dot(material(each.row)));
+    fastest = std::max(fastest, std::abs(bounds.back()));
+  }
+  slack_ = row_slack * fastest;
+  if (!close_.hold_free(away_)) return false;
+  for (std::size_t c = 0; c < touching_.size(); ++c) {
+    const SurfaceRow& row = touching_[c].row;
+    if (!(close_.gaps[row.plane].at(samples_, row.sample) >= bounds[c] - velocity_slack * fastest)) return false;
+  }
+  return true;
+}
+
 /// Are the rows at hand on their plane after the drift, and all other samples in front of theirs? Lists those that touch; where many are
 /// near and no control point that counts for one is behind the plane, the rows alone.
 bool SurfaceContact::list_held(double h, const Points& v) {

@@ -82,6 +82,24 @@ bool SurfaceStage::hold(const std::vector<Vec3>& away) {
   return true;
 }
 
+bool SurfaceStage::hold_free(const std::vector<Vec3>& away) {
+  Delassus& delassus = set_.delassus();
+  missed_ = 0;
+  delassus.list_rows(rows);
+  delassus.stick(away, force_);
+  share.resize(rows.size());
+  for (std::size_t t = 0; t < rows.size(); ++t) {
+    const Vec3& normal = normals_[rows[t].plane];
+    const double load = normal.dot(force_[t]), most = friction_[rows[t].plane] * load;
+    const Vec3 rubbed = tangential(normal, force_[t]);
+    if (!(load >= 0 && rubbed.squaredNorm() <= most * most)) return false;
+    share[t] = most > 0 ? Vec3(1 / most * rubbed) : Vec3(Vec3::Zero());
+  }
+  find_move();
+  add_motion(move_);
+  return true;
+}
+
 /// Can friction bring no sample nearer to a plane?
 bool SurfaceStage::parallel() const {
   return std::ranges::all_of(

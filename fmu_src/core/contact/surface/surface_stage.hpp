@@ -45,6 +45,8 @@ class SurfaceStage {
   /// Do the rows at hand, all of one plane, push it and stick? away: how far each is from where it is to be at y0, along its normal and,
   /// where there is friction, across. On success gaps of all planes are those of y.
   bool hold(const std::vector<Vec3>& away);
+  /// The same beside free bodies, of any planes; without the factor of the rows' normal forces.
+  bool hold_free(const std::vector<Vec3>& away);
   /// slip: of a row at y0, beyond where it would be if it stuck. On success rows and share are those that are active now.
   StepStatus solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
   const Vec3& force(int t) const { return force_[t]; }  ///< of an active row

@@ -14,20 +14,25 @@ namespace {
 /// A list of samples reaches so many times as far as it must, and at least this share of the box further: it is seldom made anew.
 constexpr double far_reach = 16, nearest_reserve = 1e-2;
 
+/// Radius of a free box's edges in its smallest side [1]: it slides over samples that stand a little higher than those that it presses down.
+constexpr double free_edge = 5e-3;
+
 HalfSpace half_space(const HalfSpace& pose, const Vec3& normal, double beyond) {
   return {pose.point, normal, normal.dot(pose.point) + beyond, pose.velocity, pose.spin};
 }
 
 /// Of a box, at the point that is closest.
-HalfSpace tangent_of_box(const Vec3& half, const SolidPose& pose, const Vec3& x) {
+/// edge: radius of its edges [m].
+HalfSpace tangent_of_box(const Vec3& sides, double edge, const SolidPose& pose, const Vec3& x) {
+  const Vec3 half = (0.5 * sides).array() - edge;
   const Vec3 at = pose.edges.transpose() * (x - pose.point), closest = at.cwiseMax(-half).cwiseMin(half), out = at - closest;
   if (const double distance = out.norm(); distance > 0) {
     const Vec3 normal = out / distance;
-    return half_space(pose, pose.edges * normal, normal.dot(closest));
+    return half_space(pose, pose.edges * normal, normal.dot(closest) + edge);
   }
   int face = 0;
   (half - at.cwiseAbs()).minCoeff(&face);
-  return half_space(pose, at[face] < 0 ? Vec3(-pose.edges.col(face)) : Vec3(pose.edges.col(face)), half[face]);
+  return half_space(pose, at[face] < 0 ? Vec3(-pose.edges.col(face)) : Vec3(pose.edges.col(face)), half[face] + edge);
 }
 
 /// The tangent of a sample at this place of the start, taken along with the solid to another pose.
@@ -39,7 +44,7 @@ HalfSpace carried(const Plane& solid, const SolidPose& start, const HalfSpace& h
 }  // namespace
 
 HalfSpace tangent(const Plane& solid, const SolidPose& pose, const Vec3& x) {
-  if (solid.box()) return tangent_of_box(0.5 * solid.sides, pose, x);
+  if (solid.box()) return tangent_of_box(solid.sides, solid.own ? free_edge * solid.sides.minCoeff() : 0, pose, x);
   const Vec3 arm = x - pose.point;
   const bool sphere = solid.length == 0;
   const double height = sphere ? 0 : pose.normal.dot(arm), half = 0.5 * solid.length;
