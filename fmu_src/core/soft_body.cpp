@@ -343,6 +343,7 @@ void SoftBody::look_at_planes() {
 void SoftBody::restore(const Run& run, double start_time) {
   forget_shown();
   refresh_model();
+  refresh_free_bodies();
   start_time_ = start_time;
   now_ = run;
   for (std::size_t k = 0; k < drive_.free.size(); ++k) load_free_body(k);  // their states are of the masses of that moment

@@ -67,6 +67,7 @@ def write(path: Path, body: Shape) -> str:
     return str(path)
 
 
+FREE_EDGE = 5e-3  # radius of a free box's edges in its smallest side, as the core has it
 KINDS = ("plane", "sphere", "cylinder", "box")  # sections of a scene file
 
 
@@ -84,8 +85,9 @@ def gap(
     if kind == "sphere":
         return np.linalg.norm(arm, axis=-1) - keys["radius"]
     if kind == "box" and across is not None:
-        off = np.abs(arm @ np.stack([across, np.cross(normal, across), normal], axis=1)) - np.array(keys["size"]) / 2
-        return np.minimum(off.max(axis=-1), 0.0) + np.linalg.norm(np.maximum(off, 0.0), axis=-1)
+        edge = FREE_EDGE * min(keys["size"]) if keys.get("motion") == "free" else 0.0
+        off = np.abs(arm @ np.stack([across, np.cross(normal, across), normal], axis=1)) - np.array(keys["size"]) / 2 + edge
+        return np.minimum(off.max(axis=-1), 0.0) + np.linalg.norm(np.maximum(off, 0.0), axis=-1) - edge
     height = arm @ normal
     beside = np.linalg.norm(arm - height[..., None] * normal, axis=-1) - keys["radius"]
     above = np.abs(height) - keys["length"] / 2

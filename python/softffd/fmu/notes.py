@@ -170,6 +170,8 @@ def samples_note(samples: Samples | None) -> str | None:
 
 
 def free_note(scene: Scene) -> str | None:
-    """Which obstacles do not meet, because both are free."""
+    """That free obstacles meet the object alone, where there are others."""
     free = [str(solid.part) for solid in scene.solids if solid.motion == "free"]
-    return f"free obstacles do not touch each other: {', '.join(free)}" if len(free) > 1 else None
+    if not free or len(scene.obstacles) == 1:
+        return None
+    return f"free obstacles meet the object alone, and pass through other obstacles: {', '.join(free)}"

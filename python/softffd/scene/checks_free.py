@@ -4,10 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from softffd.lattice import point_at
 from softffd.scene.draft import Draft
 from softffd.scene.faults import Fault, KeyPath, either, toml_text
 from softffd.scene.keys import SOLIDS
 from softffd.scene.rigid import Pin, Solid
+from softffd.scene.selection import flat_indices
 
 METHODS = ("auto", "leapfrog", "sdirk2")
 """Those that push free bodies back"""
@@ -31,11 +33,31 @@ def free_check(draft: Draft) -> Iterator[Fault]:
                 yield from _masses(draft, path, item)
                 yield from _inertia(draft, path, item)
                 yield from _guide(path, item)
+                if isinstance(item, Pin):
+                    yield from _bonded(draft, path, item)
             else:
                 yield from _idle(path, item)
     method = draft.keys.solver.method
     if free and method not in METHODS:
         yield Fault(("solver", "method"), f"wanted {either(METHODS)} beside a body with {FREE}, got {toml_text(method)}")
+
+
+def _bonded(draft: Draft, path: KeyPath, pin: Pin) -> Iterator[Fault]:
+    """The points of a free pin tell how its part turns, and meet obstacles by the surface that they carry."""
+    keys = draft.keys
+    if keys.obstacles and (keys.mesh is None or keys.contact.of == "lattice") and draft.sound("mesh") and draft.sound("contact", "of"):
+        yield Fault((*path, "motion"), f'wanted "fixed" or "input" where control points meet obstacles, got "free"; it needs a [mesh], '
+                    'and [contact] of = "surface"')  # fmt: skip
+    if pin.guide is not None or draft.counts is None or not draft.sound(*path, "points"):
+        return
+    try:
+        chosen = flat_indices(pin.points, draft.counts)
+    except ValueError:
+        return  # told elsewhere
+    places = np.array([point_at(int(each), draft.counts) for each in chosen], dtype=float).reshape(-1, 3)
+    if 0 < len(places) and np.linalg.matrix_rank(places - places[0]) < 2:
+        yield Fault((*path, "points"), f"wanted control points that are not on one line, or a guide, got {toml_text(pin.points)}: "
+                    "they do not hold the part against turning")  # fmt: skip
 
 
 def _idle(path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:

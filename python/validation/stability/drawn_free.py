@@ -24,6 +24,8 @@ def drawn_free(seed: int) -> Drawn:
     scene = draws.one_of(families)(seed)
     if not bonded and scene.surface is None:  # elements whose nodes meet planes
         scene = drawn_surface(seed)
+    if bonded and scene.surface is None and scene.planes:  # whose points would meet obstacles
+        scene = drawn_surface(seed)
     total = scene.document["mass"]["total"]
     mass = draws.log(1e-3, 1e3) * total
     return _part(draws, scene, mass) if bonded else _obstacle(draws, scene, mass)

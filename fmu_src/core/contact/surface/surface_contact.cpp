@@ -273,7 +273,7 @@ double SurfaceContact::obstacles_way(const Drive& around) const {
 bool SurfaceContact::lift_tangents(const StepView& step, const Points& x1, const std::vector<FreeState>& free) {
   if (drift_.rows.empty() || std::ranges::all_of(free_rows_.twists(), [](const Twist& each) { return each.turn.isZero(0); })) return false;
   bool lifted = false;
-  const double slack = 2 * slack_of_rows(), way = tangents_.way(x1, x1 + drift_.move());
+  const double slack = 2 * slack_of_rows(), way = tangents_.way(step.x0, x1 + drift_.move());
   std::vector<FreeState> moved = free;
   for (const FreeMotion& each : step.around.free) {
     FreeState& state = moved[each.index()] = each.flown(free[each.index()], step.t1);
@@ -284,9 +284,11 @@ bool SurfaceContact::lift_tangents(const StepView& step, const Points& x1, const
     const Tangent& found = tangents_.found()[i];
     const Plane& solid = step.around.planes[found.obstacle];
     if (!solid.own) continue;
-    const double turn = free_rows_.twists()[solid.own->index()].turn.norm(), size = solid.size();
+    const FreeMotion& own = *solid.own;
+    const double turn = free_rows_.twists()[own.index()].turn.norm(), size = solid.size();
+    const double arms = turn * size + way + (own.at(step.t1).position - own.state().position).norm() + step.h * own.spin(own.state()).norm() * size;
     const int q = flat_ + int(i);
-    if (turn * turn * size <= slack || drift_.gaps[q].of_sample > turn * (turn * size + way)) continue;
+    if (turn * arms <= slack || drift_.gaps[q].of_sample > turn * arms) continue;
     const Vec3 place = samples_.at(found.sample, x1) + samples_.at(found.sample, drift_.move());
     const double gap = tangent(solid, solid.pose_of(moved[solid.own->index()]), place).gap(place);
     if (gap >= -slack) continue;

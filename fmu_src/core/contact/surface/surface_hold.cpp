@@ -80,16 +80,18 @@ bool SurfaceContact::hold_free_drift(const StepView& step, const Points& x1, con
     places_.push_back(free);
   }
   if (held.empty() || !std::ranges::is_sorted(held)) return false;
-  for (int q = 0; q < flat_; ++q)
-    if (!search_.covers(q, drift_.gaps[q].of_points) || !search_.near(q).empty()) return false;
   const std::vector<GapFunction> before = drift_.gaps;
   bool holds = drift_.hold_free(away_) && tangents_.covers(tangents_.way(step.x0, x1 + drift_.move()) + obstacles_way(step.around));
-  for (int q = 0; q < flat_ && holds; ++q) holds = search_.covers(q, drift_.gaps[q].of_points);
-  for (int q = flat_; q < int(end_.size()) && holds; ++q) {
-    const double gap = drift_.gaps[q].of_sample;
-    holds = gap >= -slack;
-    if (gap <= touch) touching_.push_back({.row = {q, tangents_.found()[q - flat_].sample}, .gap = gap});
+  const auto see = [&](int q, int sample) {
+    const double gap = drift_.gaps[q].at(samples_, sample);
+    holds = holds && gap >= -slack;
+    if (gap <= touch) touching_.push_back({.row = {q, sample}, .gap = gap});
+  };
+  for (int q = 0; q < flat_ && holds; ++q) {
+    if (!search_.covers(q, drift_.gaps[q].of_points)) search(q, drift_.gaps[q].of_points, 0);
+    for (const int s : search_.near(q)) see(q, s);
   }
+  for (int q = flat_; q < int(end_.size()) && holds; ++q) see(q, tangents_.found()[q - flat_].sample);
   if (!holds) {
     touching_.clear();
     drift_.gaps = before;
