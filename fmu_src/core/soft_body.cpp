@@ -159,26 +159,22 @@ void SoftBody::refresh_forces() {
   for (int axis = 0; axis < 3; ++axis) drive_.even = drive_.even && all_alike(drive_.force.col(axis));
 }
 
-void SoftBody::load_free_body(std::size_t k) {
-  const FreeLoad& load = settings.free[k];
-  std::vector<double> masses;
-  std::vector<Vec3> arms;
-  if (drive_.free[k].part()) {
-    const Pin& pin = drive_.pins[definition_.free[k].pin];
-    arms = pin.local;
-    for (const int p : pin.points) masses.push_back(model_.body.mass[p]);
-  }
-  drive_.free[k].load(load.mass, load.force + load.mass * settings.gravity, load.torque, arms, masses);
-}
-
 void SoftBody::refresh_free_bodies() {
   for (std::size_t k = 0; k < drive_.free.size(); ++k) {
+    const FreeLoad& load = settings.free[k];
     drive_.free[k].follow(now_.path.motion.free);  // a soft body may have been moved
+    std::vector<double> masses;
+    std::vector<Vec3> arms;
+    if (drive_.free[k].part()) {
+      const Pin& pin = drive_.pins[definition_.free[k].pin];
+      arms = pin.local;
+      for (const int p : pin.points) masses.push_back(model_.body.mass[p]);
+    }
     FreeState& state = now_.path.motion.free[k];
     const FreeState own = drive_.free[k].own(state);
     const Vec3 spin = drive_.free[k].spin(state);
     const double before = drive_.free[k].mass();
-    load_free_body(k);
+    drive_.free[k].load(load.mass, load.force + load.mass * settings.gravity, load.torque, arms, masses);
     if (drive_.free[k].mass() != before) state = drive_.free[k].whole(own, spin);
   }
 }
@@ -346,7 +342,6 @@ void SoftBody::restore(const Run& run, double start_time) {
   refresh_free_bodies();
   start_time_ = start_time;
   now_ = run;
-  for (std::size_t k = 0; k < drive_.free.size(); ++k) load_free_body(k);  // their states are of the masses of that moment
 }
 
 StepStatus SoftBody::advance(double H) {

@@ -96,7 +96,6 @@ class SoftBody {
   void refresh_model();
   StepStatus refresh_drive();
   void refresh_forces();
-  void load_free_body(std::size_t k);
   void refresh_free_bodies();
   void start_free_bodies(const Vec3& centre);
   StepStatus clear_jumps(bool& moved);
