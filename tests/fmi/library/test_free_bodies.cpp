@@ -1,4 +1,6 @@
 /// Free bodies from a resources file to the component's variables and states.
+#include <cstring>
+
 #include "instances.hpp"
 
 namespace free_bodies {
@@ -88,7 +90,19 @@ TEST(a_free_body_without_an_axis_does_not_start) {
   CHECK(!refusal([&] { instance->exit_initialization(); }).empty());
 }
 
-TEST(a_saved_state_has_the_free_bodies_and_takes_only_sound_ones) {
+TEST(an_orientation_that_is_no_unit_quaternion_is_no_state) {
+  const auto one = begun(ball + mass + loose);
+  run(*one, 0, 10);
+  Bytes damaged = one->save_state();
+  const double scalar = value_of(*one, Family::body_orientation), none = 5;
+  std::size_t at = 0;
+  while (at < damaged.size() && std::memcmp(&damaged[at], &scalar, sizeof scalar) != 0) at += sizeof scalar;
+  CHECK(at < damaged.size());
+  std::memcpy(&damaged[at], &none, sizeof none);
+  CHECK(refusal<StateError>([&] { one->load_state(damaged); }).find("no run produces") != std::string::npos);
+}
+
+TEST(a_saved_state_has_the_free_bodies) {
   const auto one = begun(ball + mass + loose), other = begun(ball + mass + loose);
   set_value(*one, Family::body_force, 6);
   run(*one, 0, 10);
