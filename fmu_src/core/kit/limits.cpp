@@ -71,7 +71,8 @@ double step_limit(const StepContext& context, Method method, bool given) {
   if (!given && method == Method::leapfrog && context.model.body.dashpots()) {
     limit = with_dashpots(context, limit);
     // the kicks of the parts do not solve for what dashpots do to them
-    if (std::ranges::any_of(context.drive.free, &FreeMotion::part)) limit = std::min(limit, thresholds::part_damping / damping_bound(context));
+    if (std::ranges::any_of(context.drive.free, &FreeMotion::part))
+      limit = std::min(limit, thresholds::part_damping / damping_bound(context));
   }
   if (t.damping < infinity) limit = std::min(limit, t.damping / damping_bound(context));
   if (!given && t.turning == Turning::straight) limit = tighter(limit, turning_limit(context, motion.x, motion.v));
