@@ -43,11 +43,7 @@ def free_check(draft: Draft) -> Iterator[Fault]:
 
 
 def _bonded(draft: Draft, path: KeyPath, pin: Pin) -> Iterator[Fault]:
-    """The points of a free pin tell how its part turns, and meet obstacles by the surface that they carry."""
-    keys = draft.keys
-    if keys.obstacles and (keys.mesh is None or keys.contact.of == "lattice") and draft.sound("mesh") and draft.sound("contact", "of"):
-        yield Fault((*path, "motion"), f'wanted "fixed" or "input" where control points meet obstacles, got "free"; it needs a [mesh], '
-                    'and [contact] of = "surface"')  # fmt: skip
+    """The points of a free pin tell how its part turns."""
     if pin.guide is not None or draft.counts is None or not draft.sound(*path, "points"):
         return
     try:

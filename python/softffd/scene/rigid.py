@@ -121,7 +121,7 @@ class Solid(Rigid):
     velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of its centre")
     angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about its centre")
     friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
-    motion: FreeMotion = _motion("gravity, the object, other obstacles")
+    motion: FreeMotion = _motion("gravity, the object")
     mass: Number | None = quantity(None, "kg", "mass of a free body, which has it or `density`", gt=0)
     density: Number | None = quantity(None, "kg/m3", "density of a free body, in place of `mass`", gt=0)
     inertia: PositiveVector | None = _inertia(
