@@ -71,7 +71,8 @@ double step_limit(const StepContext& context, Method method, bool given) {
   if (!given && method == Method::leapfrog && context.model.body.dashpots()) {
     limit = with_dashpots(context, limit);
     // the kicks of the parts do not solve for what dashpots do to them
-    if (std::ranges::any_of(context.drive.free, &FreeMotion::part)) limit = std::min(limit, thresholds::part_damping / damping_bound(context));
+    if (std::ranges::any_of(context.drive.free, &FreeMotion::part))
+      limit = std::min(limit, thresholds::part_damping / damping_bound(context));
   }
   if (t.damping < infinity) limit = std::min(limit, t.damping / damping_bound(context));
   if (!given && t.turning == Turning::straight) limit = tighter(limit, turning_limit(context, motion.x, motion.v));
@@ -90,7 +91,7 @@ double turning_limit(const StepContext& context, const Points& x, const Points& 
 
 double growing(const StepContext& context, const State& a, const State& b, double stretch) {
   const Scalars &time_scale = context.model.time_scale, &memory = context.model.memory;
-  double error = free_bodies_apart(context, a, b, stretch) * std::max(1.0, context.request.horizon / stretch);
+  double error = free_bodies_apart(context, a, b, true) * std::max(1.0, context.request.horizon / stretch);
   for (int i = 0; i < memory.size(); ++i) {
     const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]) * time_scale[i];
     if (!(dx < infinity && dv < infinity)) return infinity;

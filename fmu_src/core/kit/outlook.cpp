@@ -230,7 +230,10 @@ void book_unknown_phase(const StepContext& context, const State& state, double e
   stiff.unknown = std::sqrt(power(stiff.unknown, 2) + power(added, 2));
 }
 
-double free_bodies_apart(const StepContext& context, const State& a, const State& b, double lasting) {
+double free_bodies_apart(const StepContext& context, const State& a, const State& b, bool swing) {
+  const std::vector<Count>& rows = context.run.path.surface.drift;
+  const bool touches = swing || (!rows.empty() && rows.front() >= 0);
+  const double left = left_of_run(context);
   double most = 0;
   for (const FreeMotion& each : context.drive.free) {
     const FreeState &one = a.free[each.index()], &other = b.free[each.index()];
@@ -240,14 +243,14 @@ double free_bodies_apart(const StepContext& context, const State& a, const State
     const double place = (one.position - other.position).norm() + size * turned;
     const double speed = (one.velocity - other.velocity).norm() + size * (each.spin(one) - each.spin(other)).norm();
     const double period = slowest_period(context) * std::sqrt(1 + each.mass() / context.model.body.mass.sum());
-    most = worse(most, std::max(place, speed * std::min(lasting, period)));
+    most = worse(most, std::max(place, speed * (touches || each.part() ? std::min(period, left) : left)));
   }
   return most;
 }
 
 double outcome_of(const StepContext& context, const State& a, const State& b, const Outlook& ahead) {
   const Body& body = context.model.body;
-  double error = free_bodies_apart(context, a, b, std::max(ahead.along_normal, ahead.along_plane));
+  double error = free_bodies_apart(context, a, b, false);
   for (int i = 0; i < a.x.size(); ++i)
     if (context.model.memory[i] > 0) error = worse(error, std::abs(a.x.data()[i] - b.x.data()[i]));
   if (!context.drive.pins.empty()) {

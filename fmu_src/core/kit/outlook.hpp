@@ -45,9 +45,10 @@ Outlook outlook_of_stiff(const StepContext& context, const State& state);
 /// An impact begins: books what the phase of the vibrations that the body brings, of this energy [J] and frequency [rad/s], not being known
 /// may add to the error. Each impact has a phase of its own. known: error of the places at the impact [m].
 void book_unknown_phase(const StepContext& context, const State& state, double energy, double frequency, double known);
+/// Of free bodies, the part of what two states differ by now, and what their velocities make of it [m]: what touches the object, or always
+/// where `swing`, swings with it, what flies goes on.
+double free_bodies_apart(const StepContext& context, const State& a, const State& b, bool swing);
 /// What two states will differ by at the end of the run [m]; infinite where one is not finite.
-/// Of free bodies, the part of what two states differ by now [m], and what their velocities make of it in times like these [s].
-double free_bodies_apart(const StepContext& context, const State& a, const State& b, double lasting);
 double outcome_of(const StepContext& context, const State& a, const State& b, const Outlook& ahead);
 
 }  // namespace softffd

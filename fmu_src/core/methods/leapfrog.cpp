@@ -176,7 +176,8 @@ StepStatus Leapfrog::close(const StepView& view, Path& path) {
   if (!around.free.empty()) kick_parts(view, state.free, [&](int p) { return kick_of(view, p, row(before_, p)); });
   if (!around.pins.empty()) close_pins(view, before_, state.v, exchange);
   if (!around.planes.empty()) {
-    const StepStatus status = surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
+    const StepStatus status =
+        surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
     if (status != StepStatus::ok) return status;
     if (surface_ && SurfaceContact::wants_loss(view)) exchange.dissipated += surface_->loss(view, state.v);
   }

@@ -49,7 +49,8 @@ FreeMotion::FreeMotion(const FreeBody& body, const std::vector<FreeState>& state
   load(body.mass, Vec3::Zero(), Vec3::Zero());
 }
 
-void FreeMotion::load(double mass, const Vec3& force, const Vec3& torque, const std::vector<Vec3>& arms, const std::vector<double>& masses) {
+void FreeMotion::load(double mass, const Vec3& force, const Vec3& torque, const std::vector<Vec3>& arms,
+                      const std::vector<double>& masses) {
   mass_ = own_mass_ = mass;
   own_inertia_ = (mass / body_.mass) * body_.inertia;
   inertia_ = own_inertia_.asDiagonal();

@@ -29,11 +29,11 @@ struct FreeLoad {
 
 /// Where it is and how it moves.
 struct FreeState {
-  double time = 0;                                   ///< of all this [s]
-  Vec3 position = Vec3::Zero();                      ///< of its centre of mass [m]
-  std::array<double, 4> orientation{1, 0, 0, 0};     ///< unit quaternion w x y z that turns its own axes from the world's
-  Vec3 velocity = Vec3::Zero();                      ///< [m/s]
-  Vec3 momentum = Vec3::Zero();                      ///< angular, about its centre [kg m2/s]
+  double time = 0;                                ///< of all this [s]
+  Vec3 position = Vec3::Zero();                   ///< of its centre of mass [m]
+  std::array<double, 4> orientation{1, 0, 0, 0};  ///< unit quaternion w x y z that turns its own axes from the world's
+  Vec3 velocity = Vec3::Zero();                   ///< [m/s]
+  Vec3 momentum = Vec3::Zero();                   ///< angular, about its centre [kg m2/s]
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {

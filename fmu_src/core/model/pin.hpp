@@ -33,9 +33,9 @@ struct PinMotion {
 
 /// The same from time `since` on, with a quaternion of unit length, and what hangs on the frame. The frame at rest has the world's axes.
 struct Pin : PinMotion {
-  std::vector<int> points;  ///< control points, each in one pin only
-  std::vector<Vec3> local;  ///< their rest positions in the frame [m]
-  double since = 0;         ///< [s]
+  std::vector<int> points;          ///< control points, each in one pin only
+  std::vector<Vec3> local;          ///< their rest positions in the frame [m]
+  double since = 0;                 ///< [s]
   const FreeMotion* own = nullptr;  ///< that of a free part, in the place of all of PinMotion
 
   Frame at(double time) const;

@@ -76,11 +76,11 @@ static_assert(visits_every_field<Drift>);
 /// The motion of a body that began a landing as far off as this one may be: by what they differ the error is known that landings make of
 /// errors (stepping/landings.hpp). Empty without obstacles.
 struct Neighbour {
-  Points x, v;           ///< while it takes the path's steps, its own; else by what it differed when it last did [m, m/s]
+  Points x, v;                    ///< while it takes the path's steps, its own; else by what it differed when it last did [m, m/s]
   std::vector<FreeState> free{};  ///< bodies, its own while it takes them
-  bool follows = false;  ///< takes them
-  double impact = 0;     ///< time of the path's last one [s]
-  Drift off{};           ///< it from the path
+  bool follows = false;           ///< takes them
+  double impact = 0;              ///< time of the path's last one [s]
+  Drift off{};                    ///< it from the path
 
   /// What it was off stands, and it no longer goes on from there.
   void forget() {
@@ -311,8 +311,8 @@ struct Run {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.path, s.course, s.energy, s.exchange_time, s.dissipated, s.work, s.potential, s.free_energy, s.outside, s.contacts_resolved,
-                  s.contacts, s.centres, s.sensors);
+    return fields(s.path, s.course, s.energy, s.exchange_time, s.dissipated, s.work, s.potential, s.free_energy, s.outside,
+                  s.contacts_resolved, s.contacts, s.centres, s.sensors);
   }
 };
 static_assert(visits_every_field<Run>);

@@ -31,13 +31,13 @@ static_assert(visits_every_field<HeldRows>);
 
 /// Everything that a communication step changes, apart from what it gave back (Exchange).
 struct State {
-  double time = 0;        ///< [s]
-  Points x, v;            ///< positions [m] and velocities [m/s] at `time`, (points, 3)
-  Points spring;          ///< spring forces at x [N]
-  MarkedPoints previous;  ///< positions one internal step back; central difference only
-  double previous_h = 0;  ///< the step that `previous` belongs to; 0: none
-  Holds holds;            ///< at the end of the last implicit step: what sticks by them need not move first; empty: none yet
-  HeldRows held_rows;     ///< the same of samples of the surface, where the next implicit step begins to look
+  double time = 0;              ///< [s]
+  Points x, v;                  ///< positions [m] and velocities [m/s] at `time`, (points, 3)
+  Points spring;                ///< spring forces at x [N]
+  MarkedPoints previous;        ///< positions one internal step back; central difference only
+  double previous_h = 0;        ///< the step that `previous` belongs to; 0: none
+  Holds holds;                  ///< at the end of the last implicit step: what sticks by them need not move first; empty: none yet
+  HeldRows held_rows;           ///< the same of samples of the surface, where the next implicit step begins to look
   std::vector<FreeState> free;  ///< bodies, obstacles first
 
   template <class Self, class Fields>

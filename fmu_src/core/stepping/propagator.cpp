@@ -131,7 +131,8 @@ StepStatus Propagator::run_by_trials(const StepContext& context, double end) {
       course.trials.reason = Reason::stability;
       course.trials.forecast = 0;
       course.trials.due = infinity;
-    } else if (TrialRuns::due(context, left)) trial_runs_.of(context.run).run(integrators_, calibrator_.of(context.run), context, left);
+    } else if (TrialRuns::due(context, left))
+      trial_runs_.of(context.run).run(integrators_, calibrator_.of(context.run), context, left);
     const Method method = course.method = course.trials.winner;
     course.reason = course.trials.reason;
     if (motion.time == end) break;  // a trial took it there

@@ -71,10 +71,10 @@ class ImplicitContact {
 
   ImplicitStage stage_;
   Exchange before_;
-  State start_;       ///< of the second stage
-  Points first_v_;    ///< velocities at the end of the first stage [m/s]
-  double given_ = 0;  ///< of the call [J]
-  Slip slip_;         ///< of the call
+  State start_;           ///< of the second stage
+  Points first_v_;        ///< velocities at the end of the first stage [m/s]
+  double given_ = 0;      ///< of the call [J]
+  Slip slip_;             ///< of the call
   double free_work_ = 0;  ///< of free bodies on the object in the step [J]
   std::vector<FreeState> first_free_;
   double bend_ = 0, lost_ = 0;

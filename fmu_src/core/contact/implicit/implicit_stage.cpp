@@ -127,17 +127,17 @@ void ImplicitStage::predict(const Step& step) {
 
 StepStatus ImplicitStage::iterate(const Step& step) {
   StepProblem problem{step.equations.body,
-                            step.from.x,
-                            u_,
-                            x,
-                            residual_,
-                            diagonal_,
-                            step.h,
-                            position_slack * extent_,
-                            force_scale_,
-                            largest_stiffness_,
-                            step.way > 0 ? rough_loads : fine_loads,
-                            of_loads * step.accuracy};
+                      step.from.x,
+                      u_,
+                      x,
+                      residual_,
+                      diagonal_,
+                      step.h,
+                      position_slack * extent_,
+                      force_scale_,
+                      largest_stiffness_,
+                      step.way > 0 ? rough_loads : fine_loads,
+                      of_loads * step.accuracy};
   for (int i = 0; i < most_iterations; ++i) {
     find_residual(step, i == 0);
     problem.parts = parts_;

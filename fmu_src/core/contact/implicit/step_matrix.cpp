@@ -110,8 +110,7 @@ void StepMatrix::solve_with_parts(Points& b, const std::vector<double>& lack, do
   for (int i = 0; i < n; ++i) b -= d[i] * columns_[i].moved;
   for (int i = 0; i < n; ++i) {
     const FreePart& part = parts_[columns_[i].part];
-    for (const int p : *part.points)
-      set_row(b, p, row(b, p) + d[i] * part.motion(columns_[i].unknown, row(at_, p) - part.centre));
+    for (const int p : *part.points) set_row(b, p, row(b, p) + d[i] * part.motion(columns_[i].unknown, row(at_, p) - part.centre));
   }
 }
 

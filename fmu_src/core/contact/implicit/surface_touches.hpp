@@ -82,7 +82,7 @@ class SurfaceTouches final : public ImplicitTouches {
   std::vector<SolidPose> poses_;         ///< of solids, at the end
   FreeRows free_rows_;
   std::vector<FreeState> free_bodies_;  ///< at the end, by the forces at the linearisation
-  std::vector<double> friction_;         ///< (obstacles) coefficients
+  std::vector<double> friction_;        ///< (obstacles) coefficients
   Tangents tangents_;
   int flat_ = 0;                   ///< number of half-spaces, which come first; then planes of the tangents, one each
   std::vector<HalfSpace> planes_;  ///< at the end of the step

@@ -78,8 +78,8 @@ void SurfaceContact::set_free(const Drive& around, const std::vector<FreeState>&
   for (SurfaceStage* stage : {&drift_, &close_}) stage->set_free(&free_rows_);
 }
 
-/// What a stage with forces times `rate` gives them, and by which it moves them at once. The arms are those of its rows, so that the angular
-/// momentum of all is kept.
+/// What a stage with forces times `rate` gives them, and by which it moves them at once. The arms are those of its rows, so that the
+/// angular momentum of all is kept.
 void SurfaceContact::give_free(const SurfaceStage& stage, const Drive& around, double rate, bool move, std::vector<FreeState>& free) const {
   for (std::size_t k = 0; k < free.size() && !stage.rows.empty(); ++k) {
     const auto& [force, torque] = free_rows_.given()[k];
@@ -268,8 +268,8 @@ double SurfaceContact::obstacles_way(const Drive& around) const {
   return most;
 }
 
-/// Where an obstacle has turned by its rows, samples may be behind it by the square of that: lifts their tangents by as much. Returns whether
-/// any was.
+/// Where an obstacle has turned by its rows, samples may be behind it by the square of that: lifts their tangents by as much. Returns
+/// whether any was.
 bool SurfaceContact::lift_tangents(const StepView& step, const Points& x1, const std::vector<FreeState>& free) {
   if (drift_.rows.empty() || std::ranges::all_of(free_rows_.twists(), [](const Twist& each) { return each.turn.isZero(0); })) return false;
   bool lifted = false;
@@ -286,7 +286,8 @@ bool SurfaceContact::lift_tangents(const StepView& step, const Points& x1, const
     if (!solid.own) continue;
     const FreeMotion& own = *solid.own;
     const double turn = free_rows_.twists()[own.index()].turn.norm(), size = solid.size();
-    const double arms = turn * size + way + (own.at(step.t1).position - own.state().position).norm() + step.h * own.spin(own.state()).norm() * size;
+    const double arms =
+        turn * size + way + (own.at(step.t1).position - own.state().position).norm() + step.h * own.spin(own.state()).norm() * size;
     const int q = flat_ + int(i);
     if (turn * arms <= slack || drift_.gaps[q].of_sample > turn * arms) continue;
     const Vec3 place = samples_.at(found.sample, x1) + samples_.at(found.sample, drift_.move());

@@ -133,7 +133,7 @@ class SurfaceContact {
   std::vector<int> alone_;     ///< of a tangent its sample; -1
   SurfaceStage drift_, close_;
   FreeRows free_rows_;
-  std::vector<FreeState> free_start_;  ///< at the start of the step
+  std::vector<FreeState> free_start_;            ///< at the start of the step
   std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at the start of the step, in its middle, at its end
   std::vector<double> friction_;
   std::vector<char> still_;

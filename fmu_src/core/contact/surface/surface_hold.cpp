@@ -74,7 +74,8 @@ bool SurfaceContact::hold_free_drift(const StepView& step, const Points& x1, con
     const Vec3 slip = free - begin - step.h * middle_[q].material_velocity(0.5 * (begin + free));
     held.push_back({q, sample});
     away_.push_back(end_[q].gap(free) * end_[q].normal);
-    if (friction_[q] > 0) away_.back() += tangential(end_[q].normal, slip);
+    if (friction_[q] > 0)
+      away_.back() += tangential(end_[q].normal, slip);
     else
       return false;  // what slides is for the stage
     places_.push_back(free);

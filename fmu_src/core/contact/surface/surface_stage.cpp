@@ -41,7 +41,9 @@ StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const 
   const bool rubs = std::ranges::any_of(friction_, [](double each) { return each > 0; });
   const bool free = set_.delassus().free(), at_once = rubs && (free || !parallel());
   before_ = rows;
-  const StepStatus status = !at_once ? settle(tolerance) : free ? balance<Eigen::Matrix3d>(tolerance, slip) : balance<double>(tolerance, slip);
+  const StepStatus status = !at_once ? settle(tolerance)
+                            : free   ? balance<Eigen::Matrix3d>(tolerance, slip)
+                                     : balance<double>(tolerance, slip);
   if (status != StepStatus::ok) return status;
   if (rubs && !at_once) rub(slip);
   share.assign(rows.size(), Vec3::Zero());

@@ -14,7 +14,8 @@ namespace {
 /// A list of samples reaches so many times as far as it must, and at least this share of the box further: it is seldom made anew.
 constexpr double far_reach = 16, nearest_reserve = 1e-2;
 
-/// Radius of a free box's edges in its smallest side [1]: it slides over samples that stand a little higher than those that it presses down.
+/// Radius of a free box's edges in its smallest side [1]: it slides over samples that stand a little higher than those that it presses
+/// down.
 constexpr double free_edge = 5e-3;
 
 HalfSpace half_space(const HalfSpace& pose, const Vec3& normal, double beyond) {
