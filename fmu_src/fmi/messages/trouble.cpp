@@ -40,9 +40,7 @@ std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& b
              "the obstacles leave a control point, or a point of the surface, no feasible position; move or turn them so that they do not "
              "close on it";
     case StepStatus::pin_behind_plane:
-      return where +
-             "a pinned control point is behind an obstacle plane; the motions of the pin and the plane contradict each other, or the pin is "
-             "free, whose points meet obstacles with [contact] of = \"surface\" alone";
+      return where + "a pinned control point is behind an obstacle plane; the motions of the pin and the plane contradict each other";
     case StepStatus::zero_normal: return where + "a plane's normal is the zero vector; wanted any other vector";
     case StepStatus::zero_orientation: return where + "a pin's orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
     case StepStatus::undecided: return where + without_direction(scene, body);

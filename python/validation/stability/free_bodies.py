@@ -10,6 +10,7 @@ from softffd.fmu.block import Block
 from softffd.rotation import matrices
 from softffd.scene.scene import Scene
 
+
 class FreeBodies:
     """Those of a scene, obstacles first; block: of the variables of a name."""
 
@@ -18,7 +19,9 @@ class FreeBodies:
         self.names = [str(each.part) for each in free]
         self._guided = [each.guide is not None for each in free]
         self._mass = [each.mass if each.part.kind == "pin" else each.own_mass() for each in free]
-        self._inertia = [np.array(each.inertia or (0.0, 0.0, 0.0)) if each.part.kind == "pin" else np.array(each.own_inertia()) for each in free]
+        self._inertia = [
+            np.array(each.inertia or (0.0, 0.0, 0.0)) if each.part.kind == "pin" else np.array(each.own_inertia()) for each in free
+        ]
         self._gravity = np.array(scene.environment.gravity or (0.0, 0.0, 0.0))
         self._reach = max(scene.lattice_box.size) / 2
         self._block = block

@@ -108,7 +108,9 @@ def test_an_isolator_transmits_what_the_textbook_says(static_stiffness, damped, 
     last = result.time > (cycles - 2) * period
     phase = w * result.time[last]
     (cosine, sine, _), *_ = np.linalg.lstsq(
-        np.stack([np.cos(phase), np.sin(phase), np.ones_like(phase)], axis=1), result.outputs["pin.load.position.z"][last] - SIDE, rcond=None
+        np.stack([np.cos(phase), np.sin(phase), np.ones_like(phase)], axis=1),
+        result.outputs["pin.load.position.z"][last] - SIDE,
+        rcond=None,
     )
     block = static_stiffness * (1 + 1j * w * tau)
     assert (sine + 1j * cosine) / height == pytest.approx(block / (block - mass * w**2), rel=5e-3)
