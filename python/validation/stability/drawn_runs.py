@@ -56,8 +56,16 @@ result that is not finite, a control point behind a plane, energy that has doubl
 state."""
 FAULTS = ("SILENT", "WRONG")
 
-FAMILIES = {"lattice": drawn, "surface": drawn_surface, "solids": drawn_solids, "damped": drawn_damped, "elements": drawn_elements, "free": drawn_free}
-"""What meets obstacles, the control points or the object's own surface, and solid ones; bodies with internal damping; finite elements; masses beside them"""
+FAMILIES = {
+    "lattice": drawn,
+    "surface": drawn_surface,
+    "solids": drawn_solids,
+    "damped": drawn_damped,
+    "elements": drawn_elements,
+    "free": drawn_free,
+}
+"""What meets obstacles, the control points or the object's own surface, and solid ones; bodies with internal
+damping; finite elements; masses beside any of them"""
 
 
 @dataclass(frozen=True)
