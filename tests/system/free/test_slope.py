@@ -68,3 +68,20 @@ def test_a_slender_box_falls_over_past_its_balance_and_stands_before_it(past, tm
     inertia = arm**2 + (SLENDER[0] ** 2 + SLENDER[2] ** 2) / 12
     fallen = fall_over(result.time, lean=np.radians(past), arm=arm, inertia=inertia) - np.radians(past)
     assert angle == pytest.approx(fallen, abs=1.2e-3)  # 0.15 m from the edge it is off by nine tolerances
+
+
+@pytest.mark.parametrize(("friction", "material"), [(0.3, "stiff"), (0.3, "damped"), (0.7, "damped")])
+def test_a_box_slides_within_the_top(friction, material, tmp_path):
+    """Down 30 degrees, over rows of vertices that come under it and are left: its edges are rounded, or they would stop it."""
+    vertices, faces = shapes.cube(21, 0.0)
+    size = np.array([1.0, 0.4, 0.2])
+    body = {"name": "free", "size": [0.2, 0.2, 0.1], "point": [-0.2, 0.0, 0.05], "motion": "free", "mass": 1.0, "friction": friction}
+    scene = meshed(
+        tmp_path, ((vertices - [0.5, 0.5, 1.0]) * size, faces), gravity=tilted(30.0), mass={"total": 10.0}, contact={"penetration": 0.0},
+        lattice={"origin": [-0.5, -0.2, -0.2], "size": size.tolist()}, points=[4, 4, 4], material=MATERIALS[material],
+        pin=[{"name": "base", "points": "z-"}], box=[body], stop_time=0.3, communication_step=0.02,
+    )  # fmt: skip
+    result = simulate(scene)
+    way = result.outputs["box.free.position.x"] + 0.2
+    expected = slide(result.time, grip=friction * G * np.cos(np.radians(30)), push=G * np.sin(np.radians(30)))
+    assert way == pytest.approx(expected, abs=10 * TOLERANCE)
