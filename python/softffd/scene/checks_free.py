@@ -46,7 +46,7 @@ def _bonded(draft: Draft, path: KeyPath, pin: Pin) -> Iterator[Fault]:
     """The points of a free pin tell how its part turns, and meet obstacles by the surface that they carry."""
     keys = draft.keys
     if keys.obstacles and (keys.mesh is None or keys.contact.of == "lattice") and draft.sound("mesh") and draft.sound("contact", "of"):
-        yield Fault((*path, "motion"), f'wanted "fixed" or "input" where control points meet obstacles, got "free"; it needs a [mesh], '
+        yield Fault((*path, "motion"), 'wanted "fixed" or "input" where control points meet obstacles, got "free"; it needs a [mesh], '
                     'and [contact] of = "surface"')  # fmt: skip
     if pin.guide is not None or draft.counts is None or not draft.sound(*path, "points"):
         return
@@ -55,7 +55,7 @@ def _bonded(draft: Draft, path: KeyPath, pin: Pin) -> Iterator[Fault]:
     except ValueError:
         return  # told elsewhere
     places = np.array([point_at(int(each), draft.counts) for each in chosen], dtype=float).reshape(-1, 3)
-    if 0 < len(places) and np.linalg.matrix_rank(places - places[0]) < 2:
+    if len(places) > 0 and np.linalg.matrix_rank(places - places[0]) < 2:
         yield Fault((*path, "points"), f"wanted control points that are not on one line, or a guide, got {toml_text(pin.points)}: "
                     "they do not hold the part against turning")  # fmt: skip
 

@@ -56,9 +56,9 @@ def _inputs(pose: dict[str, str], *, of: str = "", example: str = "") -> Any:
     return key((next(iter(pose)), "velocity"), f"{what}; the rest are parameters, which hold at every communication point")
 
 
-def _motion(free: str = "") -> Any:
-    """free: what a body of its own mass is moved by."""
-    more = f'; "free": a rigid body of its own mass, which {free} and the inputs `force` and `torque` move' if free else ""
+def _motion(*, free: bool = False) -> Any:
+    """free: whether it may have a mass of its own."""
+    more = '; "free": a rigid body of its own mass, which gravity, the object and the inputs `force` and `torque` move' if free else ""
     return key("fixed", f'"fixed", or "input": what `inputs` names are inputs of the FMU{more}')
 
 
@@ -121,7 +121,7 @@ class Solid(Rigid):
     velocity: Vector = quantity((0.0, 0.0, 0.0), "m/s", "velocity of its centre")
     angular_velocity: Vector = quantity((0.0, 0.0, 0.0), "rad/s", "angular velocity about its centre")
     friction: Number = quantity(0.4, "1", "Coulomb's coefficient of friction", ge=0)
-    motion: FreeMotion = _motion("gravity, the object, other obstacles")
+    motion: FreeMotion = _motion(free=True)
     mass: Number | None = quantity(None, "kg", "mass of a free body, which has it or `density`", gt=0)
     density: Number | None = quantity(None, "kg/m3", "density of a free body, in place of `mass`", gt=0)
     inertia: PositiveVector | None = _inertia(
@@ -211,7 +211,7 @@ class Pin(Rigid):
         None, "m", "origin of the frame at rest: the reference point of its position, velocity and torque; default: the centroid of "
         "the points, of a solid of the nodes"
     )  # fmt: skip
-    motion: FreeMotion = _motion("gravity, the object")
+    motion: FreeMotion = _motion(free=True)
     mass: Number | None = quantity(None, "kg", "mass of a free body, which must be given; that of the points comes on top", gt=0)
     inertia: PositiveVector | None = _inertia("the axes of the frame through `origin`, which is the centre of mass; must be given")
     guide: Direction | None = _guide()

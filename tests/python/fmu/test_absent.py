@@ -12,6 +12,7 @@ from validation import shapes
 
 PIN = {"name": "base", "points": "z-"}
 PROBE, SENSOR = {"name": "tip", "at": [0.5, 0.5, 1.0]}, {"name": "foot", "on": "z-"}
+ALONE = {"plane": [], "sensor": []}
 FREE = {"motion": "free", "mass": 1.0, "guide": [0.0, 0.0, 1.0]}
 NO_PIN = 'a [[pin]] with name = "base" and '
 BARE = {
@@ -23,10 +24,10 @@ CASES = {
     "position[1,0,0].x": ("[outputs] positions with this control point", {"outputs": {"positions": "all"}}),
     "velocity[1,0,0]": ("[outputs] velocities with this control point", {"velocities": "all"}),
     "pin.base.position.z": ('motion = "input" of the pin', {"pin": [PIN | {"motion": "input"}]}),
-    "pin.base.mass": ('a [[pin]] with name = "base" and motion = "free" of the part', {"pin": [PIN | FREE]}),
+    "pin.base.mass": ('a [[pin]] with name = "base" and motion = "free" of the part', {"pin": [PIN | FREE], **ALONE}),
     "pin.base.reaction_torque": (
         'a [[pin]] with name = "base" and motion = "free" of the part and [outputs] reactions = true',
-        {"pin": [PIN | FREE], "reactions": True},
+        {"pin": [PIN | FREE], "reactions": True, **ALONE},
     ),
     "probe.tip.velocity.x": ("velocity = true of the probe", {"probe": [PROBE | {"velocity": True}]}),
     "probe.tip.acceleration": ("acceleration = true of the probe", {"probe": [PROBE | {"acceleration": True}]}),

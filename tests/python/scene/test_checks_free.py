@@ -51,6 +51,12 @@ REFUSED = [
     (pin(inertia=[1, 1, 1]), 'pin[0]: wanted mass beside motion = "free", got none'),
     (pin(mass=2.0), 'pin[0]: wanted inertia beside motion = "free", or a guide, along which it does not turn, got neither'),
     (pin(mass=2.0, inertia=[1, -1, 1]), "pin[0].inertia[1]: wanted > 0 kg m2, got -1"),
+    (pin(**INERTIA) | {"plane": [{"name": "a"}]},
+     'pin[0].motion: wanted "fixed" or "input" where control points meet obstacles, got "free"; it needs a [mesh], and [contact] of = '
+     '"surface"'),
+    (pin(**INERTIA, points=[[0, 0, 3], [3, 0, 3]]),
+     "pin[0].points: wanted control points that are not on one line, or a guide, got [[0, 0, 3], [3, 0, 3]]: they do not hold the part "
+     "against turning"),
     ({"plane": [{"name": "a", "motion": "free"}]}, 'plane[0].motion: wanted "fixed" or "input", got "free"'),
     *((pin(**INERTIA) | {"solver": {"method": method}},
        f'solver.method: wanted "auto", "leapfrog" or "sdirk2" beside a body with motion = "free", got "{method}"')

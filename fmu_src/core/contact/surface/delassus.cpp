@@ -65,7 +65,7 @@ void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
 
 /// Of the same samples G is as it was.
 void Delassus::list_rows(const std::vector<SurfaceRow>& rows) {
-  const bool same = free_ && sorted_ && std::ranges::equal(rows, rows_, {}, &SurfaceRow::sample, &SurfaceRow::sample);
+  const bool same = free_ && sorted_ && !rows.empty() && std::ranges::equal(rows, rows_, {}, &SurfaceRow::sample, &SurfaceRow::sample);
   rows_ = rows;
   handles_.clear();
   for (std::size_t s = 0; s < rows.size() && free_; ++s) handles_.push_back(free_->handles(rows[s]));

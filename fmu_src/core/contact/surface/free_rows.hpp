@@ -12,6 +12,7 @@
 #pragma once
 #include <Eigen/Dense>
 #include <array>
+#include <deque>
 
 #include "contact/surface/surface_row.hpp"
 #include "model/drive.hpp"
@@ -83,7 +84,7 @@ class FreeRows {
     Handles handles;
   };
   Handles find_handles(const SurfaceRow& row) const;
-  std::vector<Known> known_;
+  std::deque<Known> known_;  ///< which stay where they are
   std::vector<Yield> yields_;
   std::vector<int> body_of_;  ///< (obstacles) -1: not free
   std::vector<Twist> twists_, given_;

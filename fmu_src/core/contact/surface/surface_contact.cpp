@@ -313,11 +313,12 @@ StepStatus SurfaceContact::position_stage(const StepView& step, const Points& v,
   if (status != StepStatus::ok) return status;
   std::size_t known = 0;
   const Count before = impacts_;
+  const bool flew = drift_.free() && rows.drift[0] < 0;
   for (const SurfaceRow& row : drift_.rows) {
     const Count own = number(row);
     while (known < rows.drift.size() && rows.drift[known] >= 0 && rows.drift[known] < own) ++known;
     if (known < rows.drift.size() && rows.drift[known] == own) continue;
-    impacts_ += start_[row.plane].gap(samples_.at(row.sample, step.x0)) > touching * length_;
+    impacts_ += flew || start_[row.plane].gap(samples_.at(row.sample, step.x0)) > touching * length_;
   }
   lands_ = impacts_ > before;
   for (const Candidate& candidate : drift_.candidates)
