@@ -70,6 +70,7 @@ def test_a_slender_box_falls_over_past_its_balance_and_stands_before_it(past, tm
     assert angle == pytest.approx(fallen, abs=1.2e-3)  # 0.15 m from the edge it is off by nine tolerances
 
 
+@pytest.mark.short("*-damped")
 @pytest.mark.parametrize(("friction", "material"), [(0.3, "stiff"), (0.3, "damped"), (0.7, "damped")])
 def test_a_box_slides_within_the_top(friction, material, tmp_path):
     """Down 30 degrees, over rows of vertices that come under it and are left: its edges are rounded, or they would stop it."""
