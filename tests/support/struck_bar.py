@@ -20,8 +20,8 @@ class Struck:
 def struck(ratio: float, until: float, n: int = 5000) -> Struck:
     """The mass over that of the bar is `ratio`; n instants in the time of the wave's way there and back.
 
-    d'Alembert: u = f(t - x / c) - f(t + x / c - 2 L / c), clamped at x = L. With the wave w = f' that the struck end sends and `back`, that of
-    2 L / c before, the end moves with w - back and is pressed by rho c (w + back). In contact the mass moves with the end,
+    d'Alembert: u = f(t - x / c) - f(t + x / c - 2 L / c), clamped at x = L. With the wave w = f' that the struck end sends and `back`, that
+    of 2 L / c before, the end moves with w - back and is pressed by rho c (w + back). In contact the mass moves with the end,
     M dv/dt = - A rho c (v + 2 back); apart from it the end is free, w = - back, until it meets the mass again. Goldsmith, Impact (1960),
     section 3.3, has the first contact alone, which ends at 3.068, 4.708, 5.900 L / c for ratios of 1, 2, 4.
     """

@@ -110,10 +110,10 @@ class Drawn:
     tolerance: float  # relative to the largest side
     planes: dict[str, tuple[np.ndarray, Course]]  # normals or axes at the start, and courses; all obstacles
     pins: dict[str, Course] = field(default_factory=dict)  # those that move
-    loads: dict[str, Ramp] = field(default_factory=dict)  # and forces on free bodies, by the names of their inputs
+    loads: dict[str, Ramp] = field(default_factory=dict)
     surface: Shape | None = None  # of the object, where obstacles meet it
     body: str = ""  # what it is
-    free: tuple[str, ...] = ()  # obstacles and pins that no course leads
+    pushes: dict[str, Ramp] = field(default_factory=dict)  # on free bodies, by the names of their inputs
 
     @property
     def duration(self) -> float:
@@ -132,7 +132,7 @@ class Drawn:
             point, velocity, spin, (angle, _) = course.at(time)
             values: dict[str, Any] = {"position": point, "orientation": _quaternion(angle), "velocity": velocity, "angular_velocity": spin}
             drive.set(**{f"pin.{name}.{what}": value for what, value in values.items()})
-        for name, ramp in self.loads.items():
+        for name, ramp in ({f"load.{name}": ramp for name, ramp in self.loads.items()} | self.pushes).items():
             drive.set(**{name: ramp.at(time)})
             if ramp.linear:
                 drive.set_rates(name, (ramp.at(time + length) - ramp.at(time)) / length)
@@ -186,6 +186,7 @@ class Drawn:
             *(f"{kind} {_motion_words(each)}, mu {each['friction']:g}" for kind, each in self._obstacles()),
             *(f"pin {_motion_words(each)}" for each in document["pin"]),
             *(f"load {np.linalg.norm(ramp.force):.1e}{' ramped' * (ramp.length > 0)}" for ramp in self.loads.values()),
+            *(f"push {np.linalg.norm(ramp.force):.1e}" for ramp in self.pushes.values()),
             f"tol {self.tolerance:.1e}",
             f"H {min(self.lengths):.1e}" + f" to {max(self.lengths):.1e}" * (len(set(self.lengths)) > 1),
             f"T {self.duration:.2f}",
@@ -365,4 +366,4 @@ def _loads(draws: Draws, stiffness: float, duration: float) -> tuple[list[dict[s
         return [], {}
     face, size = draws.one_of(FACES), min(draws.log(0.1, 30.0), 0.02 * stiffness)
     ramp = Ramp(_rounded(size * draws.direction()), duration * draws.between(0.2, 1.0) * draws.chance(0.6), draws.chance(0.5))
-    return [{"name": "push", "points": face}], {"load.push": ramp}
+    return [{"name": "push", "points": face}], {"push": ramp}

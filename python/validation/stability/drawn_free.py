@@ -53,10 +53,10 @@ def _obstacle(draws: Draws, scene: Drawn, mass: float) -> Drawn:
         keys |= {"guide": normal.tolist(), "velocity": (speed * normal).tolist()}
     else:
         keys |= {"velocity": (speed * normal + across).tolist(), "angular_velocity": spin}
-    loads = scene.loads | _push(draws, scene, f"{kind}.free", mass)
+    pushes = _push(draws, scene, f"{kind}.free", mass)
     sections = {section: list(document.get(section, ())) for section in SOLIDS}
     sections[kind].append(keys)
-    return replace(scene, document=document | sections, loads=loads, free=("free",))
+    return replace(scene, document=document | sections, pushes=pushes)
 
 
 def _part(draws: Draws, scene: Drawn, mass: float) -> Drawn:
@@ -78,8 +78,8 @@ def _part(draws: Draws, scene: Drawn, mass: float) -> Drawn:
         keys["guide"] = draws.direction().tolist() if held else [0.0, 0.0, 1.0]
     else:
         keys["inertia"] = [float(f"{each:.4g}") for each in moments]
-    loads = scene.loads | _push(draws, scene, "pin.free", mass)
-    return replace(scene, document=document | {"pin": [*document["pin"], keys]}, loads=loads, free=("free",))
+    pushes = _push(draws, scene, "pin.free", mass)
+    return replace(scene, document=document | {"pin": [*document["pin"], keys]}, pushes=pushes)
 
 
 def _push(draws: Draws, scene: Drawn, name: str, mass: float) -> dict[str, Ramp]:

@@ -64,7 +64,8 @@ FAMILIES = {
     "elements": drawn_elements,
     "free": drawn_free,
 }
-"""What meets obstacles, the control points or the object's own surface, and solid ones; bodies with internal damping; finite elements; masses beside them"""
+"""What meets obstacles, the control points or the object's own surface, and solid ones; bodies with internal
+damping; finite elements; masses beside any of them"""
 
 
 @dataclass(frozen=True)

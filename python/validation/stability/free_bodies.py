@@ -8,6 +8,7 @@ import numpy as np
 
 from softffd.fmu.block import Block
 from softffd.rotation import matrices
+from softffd.scene.rigid import Solid
 from softffd.scene.scene import Scene
 
 
@@ -15,13 +16,13 @@ class FreeBodies:
     """Those of a scene, obstacles first; block: of the variables of a name."""
 
     def __init__(self, scene: Scene, block: Callable[[str], Block]):
-        free = [each for each in (*scene.obstacles, *scene.pin) if each.motion == "free"]
-        self.names = [str(each.part) for each in free]
-        self._guided = [each.guide is not None for each in free]
-        self._mass = [each.mass if each.part.kind == "pin" else each.own_mass() for each in free]
-        self._inertia = [
-            np.array(each.inertia or (0.0, 0.0, 0.0)) if each.part.kind == "pin" else np.array(each.own_inertia()) for each in free
-        ]
+        solids = [each for each in scene.obstacles if isinstance(each, Solid) and each.motion == "free"]
+        pins = [pin for pin in scene.pin if pin.motion == "free"]
+        self.names = [str(each.part) for each in (*solids, *pins)]
+        self._guided = [each.guide is not None for each in (*solids, *pins)]
+        self._mass = [*(each.own_mass() for each in solids), *(pin.mass or 0.0 for pin in pins)]
+        moments = [*(each.own_inertia() for each in solids), *(pin.inertia or (0.0, 0.0, 0.0) for pin in pins)]
+        self._inertia = [np.array(each) for each in moments]
         self._gravity = np.array(scene.environment.gravity or (0.0, 0.0, 0.0))
         self._reach = max(scene.lattice_box.size) / 2
         self._block = block

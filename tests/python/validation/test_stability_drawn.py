@@ -14,6 +14,7 @@ from validation.guard import Lost
 from validation.stability import drawn_survey
 from validation.stability.drawn import Course, Draws, drawn
 from validation.stability.drawn_elements import drawn_elements
+from validation.stability.drawn_free import drawn_free
 from validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, Job, Run, _grown, judge, run_jobs
 from validation.stability.drive import Drive, box
 from validation.stability.verdict import stated_error
@@ -73,7 +74,7 @@ def test_elements_differ_in_everything_of_theirs():
     assert all(scene.document["plane"] == [] or "sphere" not in scene.document for scene in scenes)
 
 
-@pytest.mark.parametrize("family", [drawn, drawn_elements])
+@pytest.mark.parametrize("family", [drawn, drawn_elements, drawn_free])
 def test_nothing_starts_behind_an_obstacle(family):
     for seed in range(40):
         scene = family(seed)

@@ -16,7 +16,10 @@ from validation import shapes
 
 AGAINST = {
     "ball, straight": ("sphere", 0.0, {"radius": 0.3, "point": [0.5, 0.5, 1.35], "velocity": [0.0, 0.0, -1.0]}),
-    "ball, off centre": ("sphere", 0.4, {"radius": 0.3, "point": [0.62, 0.55, 1.35], "velocity": [0.3, 0.1, -1.0], "angular_velocity": [1, 2, 5]}),
+    "ball, off centre": (
+        "sphere", 0.4,
+        {"radius": 0.3, "point": [0.62, 0.55, 1.35], "velocity": [0.3, 0.1, -1.0], "angular_velocity": [1.0, 2.0, 5.0]},
+    ),
     "box, flat": ("box", 0.4, {"size": [0.4, 0.5, 0.2], "point": [0.5, 0.5, 1.15], "velocity": [0.0, 0.0, -1.0]}),
     "box, corner": (
         "box", 0.4,

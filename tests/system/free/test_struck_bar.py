@@ -48,7 +48,7 @@ def blow(folder, points, ratio, until):
 
 MESHES = {13: (0.090, 0.067, 0.04), 22: (0.062, 0.022, 0.025), 31: (0.046, 0.012, 0.016)}
 """Points along the bar, and by how much the speed is off at most and at the end, by that of the blow, and the parting, by the exact one.
-The nodes of the struck face stop at once and lose their energy, as they do on a wall: that is of the mesh, and less the heavier the mass."""
+The nodes of the struck face stop at once and lose their energy, as they do on a wall: that is of the mesh, less the heavier the mass is."""
 
 PARTS = {0.5: 2.5046, 1.0: 3.0677, 2.0: 4.7086, 4.0: 6.6573}
 """By mass over that of the bar, in L / c; a touch of 1 % of the impulse, with the mass of 1 from 4.2 to 4.3 L / c, is not counted"""

@@ -1,4 +1,4 @@
-"""A free mass on a pad, bonded to it or lying on it: it swings at the pad's stiffness, and what shakes the pad reaches it as textbooks say."""
+"""A free mass on a pad, bonded or lying on it: it swings at the pad's stiffness, and gets of what shakes the pad what textbooks say."""
 
 import numpy as np
 import pytest
@@ -17,10 +17,10 @@ PUSH = 0.02 * MASS * GRAVITY
 
 def pad(folder, kind, *, ratio, guide, damping):
     """The scene of a mass on a pad that is held below, and the mass's name."""
+    material = {"model": "solid", "youngs_modulus": 1e6, "poissons_ratio": ratio, "density": PAD / SIDE**3, "internal_damping": damping}
     keys = {
         "points": [4, 4, 4], "lattice": {"origin": [-SIDE / 2, -SIDE / 2, 0.0], "size": [SIDE] * 3}, "gravity": [0.0, 0.0, -GRAVITY],
-        "material": {"model": "solid", "youngs_modulus": 1e6, "poissons_ratio": ratio, "density": PAD / SIDE**3, "internal_damping": damping},
-        "tolerance": 1e-5, "stop_time": 30.0,
+        "material": material, "tolerance": 1e-5, "stop_time": 30.0,
     }  # fmt: skip
     base = {"name": "base", "points": "z-"}
     mass = {"name": "load", "motion": "free", "mass": MASS, **({"guide": [0.0, 0.0, 1.0]} if guide else {})}
@@ -107,10 +107,7 @@ def test_an_isolator_transmits_what_the_textbook_says(static_stiffness, damped, 
     )  # fmt: skip
     last = result.time > (cycles - 2) * period
     phase = w * result.time[last]
-    (cosine, sine, _), *_ = np.linalg.lstsq(
-        np.stack([np.cos(phase), np.sin(phase), np.ones_like(phase)], axis=1),
-        result.outputs["pin.load.position.z"][last] - SIDE,
-        rcond=None,
-    )
+    waves = np.stack([np.cos(phase), np.sin(phase), np.ones_like(phase)], axis=1)
+    (cosine, sine, _), *_ = np.linalg.lstsq(waves, result.outputs["pin.load.position.z"][last] - SIDE, rcond=None)
     block = static_stiffness * (1 + 1j * w * tau)
     assert (sine + 1j * cosine) / height == pytest.approx(block / (block - mass * w**2), rel=5e-3)
