@@ -62,6 +62,8 @@ Body make_body(const Definition& definition) {
   const int n = definition.lattice.points();
   Body body{.energies = {}, .mass = {}, .damping = {}, .pinned = pinned_points(definition)};
   body.yielding = yielding_points(definition);
+  if (!body.yielding.empty())
+    for (int p = 0; p < n; ++p) body.not_yielding.push_back(body.pinned[p] && !body.yielding[p]);
   if (definition.solid())
     body.energies.push_back(std::make_shared<Solid>(definition.lattice));
   else

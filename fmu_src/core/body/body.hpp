@@ -16,6 +16,7 @@ struct Body {
   Scalars damping;                                ///< (points) [N s/m], >= 0
   std::vector<bool> pinned;                       ///< (points) moved by a pin, not by forces
   std::vector<bool> yielding{};                   ///< (points) by a pin whose part is free; empty: none
+  std::vector<bool> not_yielding{};               ///< (points) by one that is not, where there are such
   bool explicit_alone = false;                    ///< there are no matrices for its lattice (matrix/lattice_matrix.hpp)
   bool damped = false;                            ///< any damping > 0, of points or along springs
   double fastest_drag = 0;                        ///< the largest rate at which the points' damping changes velocities,
@@ -29,13 +30,7 @@ struct Body {
   /// Of the surface, by which obstacles are met; null: by the control points.
   std::shared_ptr<const Samples> samples{};
   int points() const { return int(mass.size()); }
-  /// (points) moved by a pin that does not yield.
-  std::vector<bool> prescribed() const {
-    std::vector<bool> held = pinned;
-    for (std::size_t p = 0; p < yielding.size(); ++p) held[p] = held[p] && !yielding[p];
-    return held;
-  }
-
+  const std::vector<bool>& prescribed() const { return yielding.empty() ? pinned : not_yielding; }
   /// Nothing moves, or acts on, points of a pin that does not yield.
   void hold_prescribed(Points& values) const {
     for (int p = 0; p < points(); ++p)

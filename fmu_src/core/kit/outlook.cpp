@@ -7,6 +7,7 @@
 #include "contact/surface/tangents.hpp"
 #include "contact/tolerances.hpp"
 #include "kit/thresholds.hpp"
+#include "methods/traits.hpp"
 #include "model/arithmetic.hpp"
 
 namespace softffd {
@@ -231,7 +232,8 @@ void book_unknown_phase(const StepContext& context, const State& state, double e
 }
 
 double free_bodies_apart(const StepContext& context, const State& a, const State& b, bool swing) {
-  const std::vector<Count>& rows = context.run.path.surface.drift;
+  const Path& path = context.run.path;
+  const std::vector<Count>& rows = is_implicit(context.run.course.method) ? path.motion.held_rows.rows : path.surface.drift;
   const bool touches = swing || (!rows.empty() && rows.front() >= 0);
   const double left = left_of_run(context);
   double most = 0;

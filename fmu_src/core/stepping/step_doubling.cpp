@@ -73,7 +73,7 @@ double of_late(ContactSteps& contact, double error, double h, Count steps) {
 
 StepStatus StepDoubling::run(Integrators& integrators, const StepContext& context, double end, double most) {
   const State& motion = context.run.path.motion;
-  const double begin = motion.time, least_left = integrators.budget().left() - most;
+  const double begin = motion.time, least_left = most < infinity ? integrators.budget().left() - most : -infinity;
   Count taken = 0;
   while (motion.time < end && integrators.budget().left() >= least_left) {
     const double limit = step_limit(context, Method::leapfrog, false), left = end - motion.time, known = context.run.course.contact.h;

@@ -18,6 +18,7 @@ class MadeUpRig:
     damped: bool = False
     dashpots: bool = False
     contact: bool = False
+    free: bool = False
     tightest: float = 0.0
     longest: float = 1.0
     error: float = 0.0

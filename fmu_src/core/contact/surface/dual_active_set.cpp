@@ -194,6 +194,7 @@ StepStatus DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates
       renew_forces();
       return StepStatus::ok;
     }
+    if (first < 0) return StepStatus::not_finite;  // the gap is not a number
     const SurfaceRow leaving = active()[first];
     at_hand_[std::lower_bound(candidates.begin(), candidates.end(), leaving,
                               [](const Candidate& a, const SurfaceRow& b) { return a.row < b; }) -
