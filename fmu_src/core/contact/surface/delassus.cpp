@@ -132,9 +132,8 @@ void Delassus::stick(const std::vector<Vec3>& away, std::vector<Vec3>& forces) {
 
 void Delassus::move_gaps(const Points& move, std::vector<GapFunction>& gaps) const {
   operations_.spend(4 * double(gaps.size()) * double(move.rows()));
-  const PointRange range = free_ && free_->any_pin() ? PointRange{0, int(move.rows())} : range_;
   for (std::size_t q = 0; q < gaps.size(); ++q) {
-    gaps[q].add_motion(*samples_, range, move, normals_[q]);
+    gaps[q].add_motion(*samples_, range(), move, normals_[q]);
     if (free_ && gaps[q].sample >= 0) gaps[q].of_sample -= normals_[q].dot(free_->carried({int(q), gaps[q].sample}));
   }
 }

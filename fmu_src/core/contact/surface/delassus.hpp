@@ -84,7 +84,7 @@ class Delassus {
   /// values_i += f W_si / m_i for row s.
   void push(int s, double f, double* values) const { samples_->add(rows_[s].sample, f, over_mass(s), values); }
   /// Points that rows move, and perhaps others; all where not all points count at a sample.
-  PointRange range() const { return range_; }
+  PointRange range() const { return free_ && free_->any_pin() ? PointRange{0, int(inverse_.size())} : range_; }
   /// Those of its rows, and of who solves for them.
   Operations& operations() const { return operations_; }
   /// What these forces of all rows move the body by, to (points, 3), and free bodies, of which the pins' parts take their points along.
