@@ -61,32 +61,6 @@ void SurfaceTouches::open(const Step& step) {
   if (!step.equations.around.free.empty()) place_free(step.from.x);
 }
 
-/// Free obstacles as they end the step by the forces at hand; rows are at x.
-void SurfaceTouches::place_free(const Points& x) {
-  const Drive& around = step_->equations.around;
-  const double h = step_->h;
-  std::vector<Twist> given(around.free.size());
-  free_bodies_.resize(around.free.size());
-  if (free_rows_.any()) {
-    free_rows_.clear_twists();
-    for (const Force& each : forces_) free_rows_.add_force(each.row, each.force);
-    given = free_rows_.given();
-  }
-  for (const FreeMotion& each : around.free) {
-    const FreeState& from = step_->from.free[each.index()];
-    FreeState& end = free_bodies_[each.index()];
-    end = each.stepped(from, h, h * given[each.index()].move, h * given[each.index()].turn);
-    const int q = each.body().plane;
-    if (q < 0) continue;
-    poses_[q] = around.planes[q].pose_of(end);
-    end_[q] = middle_[q] = poses_[q];
-    middle_[q].point = 0.5 * (from.position + end.position);
-  }
-  free_rows_.set_planes(obstacle_);
-  free_rows_.set_bodies(around, free_bodies_, x, h * h, false);
-  set_.delassus().set_free(&free_rows_);
-}
-
 void SurfaceTouches::set_normals() {
   normals_.clear();
   for (const HalfSpace& plane : planes_) normals_.push_back(plane.normal);

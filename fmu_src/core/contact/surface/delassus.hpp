@@ -9,7 +9,7 @@
 /// they were come by.
 #pragma once
 #include "contact/operations.hpp"
-#include "contact/surface/free_rows.hpp"
+#include "contact/free_rows.hpp"
 #include "contact/surface/row_factor.hpp"
 #include "model/samples.hpp"
 

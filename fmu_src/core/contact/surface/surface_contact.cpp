@@ -70,40 +70,6 @@ void SurfaceContact::set_planes() {
   close_.set_planes(normals_, friction_, alone_);
 }
 
-/// Free bodies yield to the rows of the next stage, which are at x; without any nothing of them is looked at.
-void SurfaceContact::set_free(const Drive& around, const std::vector<FreeState>& free, const Points& x) {
-  if (around.free.empty()) return;
-  free_rows_.set_bodies(around, free, x, 1, true);
-  free_rows_.set_planes(obstacle_);
-  for (SurfaceStage* stage : {&drift_, &close_}) stage->set_free(&free_rows_);
-}
-
-/// What a stage with forces times `rate` gives them, and by which it moves them at once. The arms are those of its rows, so that the
-/// angular momentum of all is kept.
-void SurfaceContact::give_free(const SurfaceStage& stage, const Drive& around, double rate, bool move, std::vector<FreeState>& free) const {
-  for (std::size_t k = 0; k < free.size() && !stage.rows.empty(); ++k) {
-    const auto& [force, torque] = free_rows_.given()[k];
-    around.free[k].push(free[k], rate * force, rate * torque);
-    if (!move) continue;
-    free[k].position += free_rows_.twists()[k].move;
-    if (!free_rows_.twists()[k].turn.isZero(0)) free[k].orientation = turned(free[k].orientation, free_rows_.twists()[k].turn);
-  }
-}
-
-/// The work of contact on free bodies in the step is what they have of kinetic energy beyond the work of their loads.
-void SurfaceContact::book_free(const StepView& step, const std::vector<FreeState>& free, Exchange& exchange) const {
-  for (std::size_t k = 0; k < free.size(); ++k) {
-    const FreeMotion& body = step.around.free[k];
-    if (body.part()) continue;  // its pin is booked
-    const FreeState &start = free_start_[k], &end = free[k];
-    const auto [force, torque] = body.loads(start);
-    const double loads = 0.5 * step.h * (force.dot(start.velocity + end.velocity) + torque.dot(body.spin(start) + body.spin(end)));
-    const double work = body.kinetic_energy(end) - body.kinetic_energy(start) - loads;
-    exchange.work -= work;
-    exchange.dissipated -= work;
-  }
-}
-
 void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h) {
   if (h != h_ || body.version != version_) {
     h_ = h;
@@ -257,48 +223,6 @@ void SurfaceContact::allow(double most) {
 
 double SurfaceContact::work() const { return (found_ + drift_.operations().done() + close_.operations().done()) / in_evaluation_; }
 
-/// By which rows have moved any free obstacle [m].
-double SurfaceContact::obstacles_way(const Drive& around) const {
-  double most = 0;
-  for (const FreeMotion& each : around.free) {
-    if (each.body().plane < 0) continue;
-    const Twist& twist = free_rows_.twists()[each.index()];
-    most = std::max(most, twist.move.norm() + around.planes[each.body().plane].size() * twist.turn.norm());
-  }
-  return most;
-}
-
-/// Where an obstacle has turned by its rows, samples may be behind it by the square of that: lifts their tangents by as much. Returns
-/// whether any was.
-bool SurfaceContact::lift_tangents(const StepView& step, const Points& x1, const std::vector<FreeState>& free) {
-  if (drift_.rows.empty() || std::ranges::all_of(free_rows_.twists(), [](const Twist& each) { return each.turn.isZero(0); })) return false;
-  bool lifted = false;
-  const double slack = 2 * slack_of_rows(), way = tangents_.way(step.x0, x1 + drift_.move());
-  std::vector<FreeState> moved = free;
-  for (const FreeMotion& each : step.around.free) {
-    FreeState& state = moved[each.index()] = each.flown(free[each.index()], step.t1);
-    state.position += free_rows_.twists()[each.index()].move;
-    state.orientation = turned(state.orientation, free_rows_.twists()[each.index()].turn);
-  }
-  for (std::size_t i = 0; i < tangents_.found().size(); ++i) {
-    const Tangent& found = tangents_.found()[i];
-    const Plane& solid = step.around.planes[found.obstacle];
-    if (!solid.own) continue;
-    const FreeMotion& own = *solid.own;
-    const double turn = free_rows_.twists()[own.index()].turn.norm(), size = solid.size();
-    const double arms =
-        turn * size + way + (own.at(step.t1).position - own.state().position).norm() + step.h * own.spin(own.state()).norm() * size;
-    const int q = flat_ + int(i);
-    if (turn * arms <= slack || drift_.gaps[q].of_sample > turn * arms) continue;
-    const Vec3 place = samples_.at(found.sample, x1) + samples_.at(found.sample, drift_.move());
-    const double gap = tangent(solid, solid.pose_of(moved[solid.own->index()]), place).gap(place);
-    if (gap >= -slack) continue;
-    end_[q].offset -= gap;
-    lifted = true;
-  }
-  return lifted;
-}
-
 /// The drift's stage, until no other samples may have come to a solid by it.
 StepStatus SurfaceContact::position_stage(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
   StepStatus status = meet_near(step, v, x1, rows);
@@ -380,27 +304,6 @@ double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, dou
   }
   exchange.work += work;
   return step.around.pins.empty() ? work : work + give_pins(step, stage, per_force, exchange);
-}
-
-/// Pins take what obstacles give the points that they hold: of each sample the share that its weights give these. Returns
-/// the work of the pins' own motion [J].
-double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
-  const int n = step.body.points();
-  weights_.resize(samples_.support());
-  given_.setZero(n, 3);
-  const Scalars once = Scalars::Ones(n);
-  for (std::size_t t = 0; t < stage.rows.size(); ++t) {
-    const int s = stage.rows[t].sample;
-    samples_.weights(s, once, weights_.data());
-    samples_.add(s, per_force * stage.force(int(t)), weights_.data(), given_);
-  }
-  double work = 0;
-  step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {
-    const Vec3 impulse = -row(given_, held.point);
-    exchange.push(exchange.pins[held.pin], impulse, held.arm, held.velocity());
-    work += impulse.dot(held.velocity());
-  });
-  return work;
 }
 
 /// Velocities after the closing kick, with these samples in front of their planes.

@@ -1,4 +1,4 @@
-#include "contact/surface/free_rows.hpp"
+#include "contact/free_rows.hpp"
 
 namespace softffd {
 

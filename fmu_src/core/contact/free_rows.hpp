@@ -14,11 +14,16 @@
 #include <array>
 #include <deque>
 
-#include "contact/surface/surface_row.hpp"
 #include "model/drive.hpp"
 #include "model/samples.hpp"
 
 namespace softffd {
+
+/// A row: a sample of the surface at a plane.
+struct SurfaceRow {
+  int plane, sample;
+  auto operator<=>(const SurfaceRow&) const = default;
+};
 
 /// How a row acts on a free body.
 struct Handle {

@@ -1,0 +1,168 @@
+/// Free bodies in an implicit step: the parts of free pins, which are unknowns of its equations, and what the reactions give obstacles.
+#include <algorithm>
+
+#include "body/rigid_motion.hpp"
+#include "contact/implicit/implicit_stage.hpp"
+#include "contact/implicit/surface_touches.hpp"
+
+namespace softffd {
+
+/// The frame of a pin at the end of the step.
+Frame ImplicitStage::frame_of(const Step& step, const Pin& pin) const {
+  return pin.own ? pin.frame_of(free[pin.own->index()]) : pin.at(step.t + step.h);
+}
+
+void ImplicitStage::place_pins(const Step& step) {
+  for (const Pin& pin : step.equations.around.pins) {
+    const Frame frame = frame_of(step, pin);
+    for (std::size_t n = 0; n < pin.points.size(); ++n) {
+      const int p = pin.points[n];
+      set_row(x, p, frame.origin + frame.arm(pin.local[n]));
+      if (pin.own) set_row(u_, p, row(x, p) - row(step.from.x, p));
+    }
+  }
+}
+
+/// The parts of free pins begin as they moved before.
+void ImplicitStage::open_parts(const Step& step) {
+  free = step.from.free;
+  parts_.clear();
+  for (const FreeMotion& each : step.equations.around.free) {
+    if (!each.part()) continue;
+    const FreeState& from = step.from.free[each.index()];
+    parts_.push_back({.points = &step.equations.around.pins[each.body().pin].points,
+                      .guide = each.body().guide,
+                      .mass = each.mass(),
+                      .moved = {step.h * from.velocity, step.h * each.spin(from)}});
+    place_part(step, each, parts_.back());
+  }
+}
+
+/// Where it has moved to in the step, with the velocities that bring it there.
+void ImplicitStage::place_part(const Step& step, const FreeMotion& body, const FreePart& part) {
+  const FreeState& from = step.from.free[body.index()];
+  FreeState& end = free[body.index()];
+  end = {.time = step.t + step.h, .position = from.position + part.moved.move, .velocity = part.moved.move / step.h};
+  end.orientation = turned(from.orientation, part.moved.turn);
+  end.momentum = body.momentum(end, part.moved.turn / step.h);
+}
+
+void ImplicitStage::find_parts_residual(const Step& step) {
+  auto part = parts_.begin();
+  const double per_h = 1 / step.h;
+  for (const FreeMotion& each : step.equations.around.free) {
+    if (!each.part()) continue;
+    const FreeState& from = step.from.free[each.index()];
+    const FreeState& end = free[each.index()];
+    part->centre = end.position;
+    part->inertia = each.inertia(end);
+    part->lack = each.loads(end);
+    part->lack.force -= per_h * each.mass() * (end.velocity - from.velocity);
+    part->lack.torque -= per_h * (end.momentum - from.momentum);
+    for (const int p : *part->points) {
+      const Vec3 inertia = per_h * step.equations.body.mass[p] * (per_h * row(u_, p) - row(step.from.v, p));
+      part->lack.force += inertia;
+      part->lack.torque += (row(x, p) - end.position).cross(inertia);
+    }
+    ++part;
+  }
+}
+
+/// Takes the parts where a change has moved their points. Returns the square of the largest turn [rad2].
+double ImplicitStage::move_parts(const Step& step, const Points& change) {
+  double largest = 0;
+  auto part = parts_.begin();
+  for (const FreeMotion& each : step.equations.around.free) {
+    if (!each.part()) continue;
+    const std::vector<int>& points = *part->points;
+    Twist& moved = part->moved;
+    const Vec3 centre = free[each.index()].position;
+    if (each.body().guided()) {
+      moved.move += row(change, points.front());
+      place_part(step, each, *part++);
+      continue;
+    }
+    const int n = int(points.size());
+    Points at(n, 3), by(n, 3);
+    for (int i = 0; i < n; ++i) {
+      set_row(at, i, row(x, points[i]));
+      set_row(by, i, row(change, points[i]));
+    }
+    const RigidMotion motion = rigid_motion(Scalars::Ones(n), at, by);
+    moved.move += motion.velocity + motion.spin.cross(centre - motion.centre);
+    moved.turn += motion.spin + 0.5 * motion.spin.cross(moved.turn);  // of two turns, to second order
+    place_part(step, each, *part++);
+    largest = std::max(largest, motion.spin.squaredNorm());
+  }
+  return largest;
+}
+
+/// In scratch_ is what all forces leave of the points' balance.
+bool ImplicitStage::parts_in_balance(double slack) const {
+  return std::ranges::all_of(parts_, [&](const FreePart& part) {
+    Vec3 force = part.lack.force, torque = part.lack.torque;
+    double size = 0;
+    for (const int p : *part.points) {
+      const Vec3 arm = row(x, p) - part.centre;
+      force += row(scratch_, p);
+      torque += arm.cross(row(scratch_, p));
+      size = std::max(size, arm.norm());
+    }
+    const double most = slack * std::sqrt(double(part.points->size()));
+    if (!part.guide.isZero(0)) return std::abs(part.guide.dot(force)) <= most;
+    return force.norm() <= most && torque.norm() <= most * size;
+  });
+}
+
+/// Free bodies take what the reactions are reported to give their obstacles.
+void ImplicitStage::push_free(const Step& step) {
+  for (const FreeMotion& each : step.equations.around.free) {
+    if (each.part()) continue;  // it is where its points are
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    for (const Reaction& reaction : reactions_) {
+      if (reaction.plane != each.body().plane) continue;
+      const Vec3 taken = -impulse(step, reaction);
+      force += taken;
+      torque += (touches_->value(reaction, x) - touches_->plane(reaction.plane).point).cross(taken);
+    }
+    free[each.index()] = each.stepped(step.from.free[each.index()], step.h, force, torque);
+  }
+}
+
+double ImplicitStage::work_of_free(const Step& step) const {
+  double work = 0;
+  for (const Pin& pin : step.equations.around.pins)
+    for (int p : pin.points)
+      if (pin.own) work += pin_impulse(step, p).dot(row(u_, p)) / step.h;
+  for (const Reaction& each : reactions_)
+    if (step.equations.around.planes[each.plane].own) work += impulse(step, each).dot(material_velocity(step, each));
+  return work;
+}
+
+/// Free obstacles as they end the step by the forces at hand; rows are at x.
+void SurfaceTouches::place_free(const Points& x) {
+  const Drive& around = step_->equations.around;
+  const double h = step_->h;
+  std::vector<Twist> given(around.free.size());
+  free_bodies_.resize(around.free.size());
+  if (free_rows_.any()) {
+    free_rows_.clear_twists();
+    for (const Force& each : forces_) free_rows_.add_force(each.row, each.force);
+    given = free_rows_.given();
+  }
+  for (const FreeMotion& each : around.free) {
+    const FreeState& from = step_->from.free[each.index()];
+    FreeState& end = free_bodies_[each.index()];
+    end = each.stepped(from, h, h * given[each.index()].move, h * given[each.index()].turn);
+    const int q = each.body().plane;
+    if (q < 0) continue;
+    poses_[q] = around.planes[q].pose_of(end);
+    end_[q] = middle_[q] = poses_[q];
+    middle_[q].point = 0.5 * (from.position + end.position);
+  }
+  free_rows_.set_planes(obstacle_);
+  free_rows_.set_bodies(around, free_bodies_, x, h * h, false);
+  set_.delassus().set_free(&free_rows_);
+}
+
+}  // namespace softffd
