@@ -31,7 +31,7 @@ void FreeRows::set_bodies(const Drive& around, const std::vector<FreeState>& sta
 
 void FreeRows::clear_twists() {
   twists_.assign(yields_.size(), {});
-  given_ = twists_;
+  given_.assign(yields_.size(), {});
 }
 
 const Handles& FreeRows::handles(const SurfaceRow& row) {
@@ -85,11 +85,11 @@ void FreeRows::add_force(const SurfaceRow& row, const Vec3& force) {
 }
 
 void FreeRows::add(const Handle& handle, const Vec3& force) {
-  Twist& given = given_[handle.body];
-  given.move += handle.share * force;
-  given.turn += handle.arm.cross(force);
+  Wrench& given = given_[handle.body];
+  given.force += handle.share * force;
+  given.torque += handle.arm.cross(force);
   const auto& [mass, inertia] = yields_[handle.body];
-  twists_[handle.body] = {mass * given.move, inertia * given.turn};
+  twists_[handle.body] = {mass * given.force, inertia * given.torque};
 }
 
 void FreeRows::move_pins(Points& move) const {

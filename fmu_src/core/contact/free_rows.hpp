@@ -11,8 +11,7 @@
 ///      C_ab = sum over k of s_a s_b / M + [r_a]x' I^-1 [r_b]x.
 #pragma once
 #include <Eigen/Dense>
-#include <array>
-#include <deque>
+#include <vector>
 
 #include "model/drive.hpp"
 #include "model/samples.hpp"
@@ -46,6 +45,7 @@ class FreeRows {
   bool any() const { return !yields_.empty(); }
   bool any_pin() const { return pins_; }
 
+  /// Until the next call.
   const Handles& handles(const SurfaceRow& row);
   Eigen::Matrix3d between(const Handles& a, const Handles& b) const;
 
@@ -62,8 +62,8 @@ class FreeRows {
   void move_pins(Points& move) const;
   /// By which a row's obstacle moves at its sample, 0 of those that are not free [m].
   Vec3 carried(const SurfaceRow& row) const;
-  /// What all rows gave each body, summed: forces in `move`, torques in `turn`.
-  const std::vector<Twist>& given() const { return given_; }
+  /// What all rows gave each body.
+  const std::vector<Wrench>& given() const { return given_; }
 
  private:
   void add(const Handle& handle, const Vec3& force);
@@ -89,10 +89,11 @@ class FreeRows {
     Handles handles;
   };
   Handles find_handles(const SurfaceRow& row) const;
-  std::deque<Known> known_;  ///< which stay where they are
+  std::vector<Known> known_;
   std::vector<Yield> yields_;
   std::vector<int> body_of_;  ///< (obstacles) -1: not free
-  std::vector<Twist> twists_, given_;
+  std::vector<Twist> twists_;
+  std::vector<Wrench> given_;
   bool pins_ = false;
 };
 

@@ -8,7 +8,7 @@ namespace softffd {
 
 namespace {
 
-/// Turn in a part of a flight [rad]: the error of its orientation is 1e-10 of the angle.
+/// Turn in a part of a flight [rad].
 constexpr double longest_turn = 0.02;
 constexpr double most_parts = 10000;
 /// To find the orientation at the end of an implicit step.

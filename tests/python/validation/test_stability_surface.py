@@ -81,7 +81,7 @@ def test_a_vertex_behind_a_plane_is_found():
         assert "of the box behind obstacle" in _broken(drive, scene)
 
 
-@pytest.mark.short("surface-*", "solids-*", "free-25")
+@pytest.mark.short("surface-*", "solids-*")
 @pytest.mark.parametrize(("family", "seed"), [("surface", 1), ("surface", 3), ("solids", 1), ("free", 25), ("free", 27)])
 def test_command_runs_scenes_of_surfaces(family, seed, tmp_path):
     assert exit_status(lambda: run_tool(["random", "1", "--seed", str(seed), "--family", family, "-j", "1", "-o", str(tmp_path)])) == 0

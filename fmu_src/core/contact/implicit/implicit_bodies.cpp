@@ -143,7 +143,7 @@ double ImplicitStage::work_of_free(const Step& step) const {
 void SurfaceTouches::place_free(const Points& x) {
   const Drive& around = step_->equations.around;
   const double h = step_->h;
-  std::vector<Twist> given(around.free.size());
+  std::vector<Wrench> given(around.free.size());
   free_bodies_.resize(around.free.size());
   if (free_rows_.any()) {
     free_rows_.clear_twists();
@@ -153,7 +153,7 @@ void SurfaceTouches::place_free(const Points& x) {
   for (const FreeMotion& each : around.free) {
     const FreeState& from = step_->from.free[each.index()];
     FreeState& end = free_bodies_[each.index()];
-    end = each.stepped(from, h, h * given[each.index()].move, h * given[each.index()].turn);
+    end = each.stepped(from, h, h * given[each.index()].force, h * given[each.index()].torque);
     const int q = each.body().plane;
     if (q < 0) continue;
     poses_[q] = around.planes[q].pose_of(end);

@@ -41,7 +41,7 @@ void StepDelassus::factor(int from) {
 Eigen::Matrix3d StepDelassus::block(const SurfaceRow& a, const SurfaceRow& b) {
   Eigen::Matrix3d sum = (*this)(a.sample, b.sample);
   if (free_) {
-    const Handles of_a = free_->handles(a);  // what is known of one row of a plane gives way to what is asked of the next
+    const Handles of_a = free_->handles(a);  // they are for one row at a time
     sum += free_->between(of_a, free_->handles(b));
   }
   return sum;
