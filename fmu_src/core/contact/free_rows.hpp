@@ -10,7 +10,7 @@
 ///
 ///      C_ab = sum over k of s_a s_b / M + [r_a]x' I^-1 [r_b]x.
 #pragma once
-#include <Eigen/Dense>
+#include <functional>
 #include <vector>
 
 #include "model/drive.hpp"
@@ -56,8 +56,8 @@ class FreeRows {
   const std::vector<Twist>& twists() const { return twists_; }
   /// Forces by which rows with these handles stick that are away from where they would [m]: the masses' G and what free bodies yield undo
   /// all of it, a term of rank six for each body. solve: G^-1 of four columns (rows, 4) row by row.
-  template <class Solve>
-  void stick(const std::vector<Handles>& handles, const std::vector<Vec3>& away, const Solve& solve, std::vector<Vec3>& forces) const;
+  void stick(const std::vector<Handles>& handles, const std::vector<Vec3>& away, const std::function<void(double*)>& solve,
+             std::vector<Vec3>& forces) const;
   /// Adds to a motion of the points what the parts take the points of their pins by.
   void move_pins(Points& move) const;
   /// By which a row's obstacle moves at its sample, 0 of those that are not free [m].
@@ -96,50 +96,5 @@ class FreeRows {
   std::vector<Wrench> given_;
   bool pins_ = false;
 };
-
-/// f = -G^-1 (away + J t) with the twists t = Y J' f, so that (1 + Y J' G^-1 J) t = -Y J' G^-1 away.
-template <class Solve>
-void FreeRows::stick(const std::vector<Handles>& handles, const std::vector<Vec3>& away, const Solve& solve,
-                     std::vector<Vec3>& forces) const {
-  const std::size_t n = handles.size(), bodies = yields_.size();
-  std::vector<double> columns(4 * n);
-  forces.resize(n);
-  for (std::size_t a = 0; a < n; ++a) Eigen::Map<Eigen::Vector4d>(&columns[4 * a]) << away[a], 0;
-  solve(columns.data());
-  for (std::size_t a = 0; a < n; ++a) forces[a] = -Vec3(columns[4 * a], columns[4 * a + 1], columns[4 * a + 2]);
-  std::vector<std::vector<Handle>> responses(bodies);  // G^-1 of the shares and the arms
-  for (std::size_t k = 0; k < bodies; ++k) {
-    for (std::size_t a = 0; a < n; ++a) {
-      const Handle own = handle_on(int(k), handles[a]);
-      Eigen::Map<Eigen::Vector4d>(&columns[4 * a]) << own.arm, own.share;
-    }
-    solve(columns.data());
-    for (std::size_t a = 0; a < n; ++a)
-      responses[k].push_back({int(k), columns[4 * a + 3], Vec3(columns[4 * a], columns[4 * a + 1], columns[4 * a + 2])});
-  }
-  const int size = 6 * int(bodies);
-  Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(size, size);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
-  for (std::size_t a = 0; a < n; ++a)
-    for (const Handle& each : handles[a]) {
-      right.segment<3>(6 * each.body) += each.share * forces[a];
-      right.segment<3>(6 * each.body + 3) += each.arm.cross(forces[a]);
-      for (int c = 0; c < size; ++c) {
-        const Vec3 moved = motion(responses[c / 6][a], c % 6);
-        slope.block<3, 1>(6 * each.body, c) += each.share * moved;
-        slope.block<3, 1>(6 * each.body + 3, c) += each.arm.cross(moved);
-      }
-    }
-  for (std::size_t k = 0; k < bodies; ++k)
-    for (const int at : {0, 3}) {
-      const Eigen::Matrix3d& yield = at == 0 ? yields_[k].mass : yields_[k].inertia;
-      right.segment<3>(6 * k + at) = (yield * right.segment<3>(6 * k + at)).eval();
-      slope.middleRows<3>(6 * k + at) = (yield * slope.middleRows<3>(6 * k + at)).eval();
-    }
-  slope.diagonal().array() += 1;
-  const Eigen::VectorXd twist = slope.partialPivLu().solve(right);
-  for (std::size_t a = 0; a < n; ++a)
-    for (int c = 0; c < size; ++c) forces[a] -= twist[c] * motion(responses[c / 6][a], c % 6);
-}
 
 }  // namespace softffd
