@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "contact/surface/solid_samples.hpp"
 #include "forces/solid.hpp"
 #include "forces/springs.hpp"
 #include "forces/volume.hpp"
@@ -75,6 +76,11 @@ Body make_body(const Definition& definition) {
   body.explicit_alone = !LatticeMatrix::exists(definition.lattice);
   body.length = definition.lattice.largest_side();
   body.samples = definition.samples;
+  if (body.samples && std::ranges::any_of(definition.free, [](const FreeBody& each) { return each.plane >= 0; })) {
+    auto samples = std::make_shared<Samples>(*body.samples);
+    samples->add_idle(most_of_solid * definition.planes);
+    body.samples = samples;
+  }
   return body;
 }
 

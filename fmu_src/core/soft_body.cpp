@@ -46,7 +46,7 @@ SoftBody::SoftBody(Definition definition)
       cells_(definition_.lattice),
       now_(empty_run(definition_)),
       propagator_(definition_.lattice, definition_.planes, int(definition_.pins.size()),
-                  definition_.planes > 0 ? definition_.samples.get() : nullptr),
+                  definition_.planes > 0 ? model_.body.samples.get() : nullptr),
       jumps_(definition_.lattice.points(), definition_.planes) {
   const int n = definition_.lattice.points();
   pin_origins_.resize(definition_.pins.size());
@@ -203,6 +203,10 @@ void SoftBody::start_free_bodies(const Vec3& centre) {
 
 StepStatus SoftBody::clear_jumps(bool& moved) {
   if (drive_.planes.empty() || settings.method == Method::central_difference) return StepStatus::ok;
+  State& motion = now_.path.motion;
+  if (surface_ && !motion.free.empty())
+    if (const StepStatus status = surface_->clear_free_jumps(drive_, motion.time, motion.free, moved); status != StepStatus::ok)
+      return status;
   if (surface_) return surface_->clear_jumps(model_.body, drive_, now_.path.motion.time, now_.path.motion.x, moved);
   return jumps_.clear_jumps(model_.body, drive_, now_.path.motion.time, now_.path.motion.x, moved);
 }

@@ -46,8 +46,11 @@ const Handles& FreeRows::handles(const SurfaceRow& row) {
 Handles FreeRows::find_handles(const SurfaceRow& row) const {
   const int sample = row.sample;
   Handles found;
-  if (const int k = body_of_[(*obstacles_)[row.plane]]; k >= 0)
-    found.push_back({k, -1, (*states_)[k].position - samples_->at(sample, *x_)});
+  if (const int k = body_of_[(*obstacles_)[row.plane]]; k >= 0) found.push_back({k, -1, (*states_)[k].position - place_of(row)});
+  if (!samples_->of_object(sample)) {
+    if (const int k = body_of_[(*solids_)[row.plane]]; k >= 0) found.push_back({k, 1, place_of(row) - (*states_)[k].position});
+    return found;
+  }
   if (!pins_) return found;
   std::vector<double> weights(samples_->support());
   Scalars of_points = Scalars::Zero(x_->rows());
@@ -103,10 +106,17 @@ void FreeRows::move_pins(Points& move) const {
   }
 }
 
-Vec3 FreeRows::carried(const SurfaceRow& row) const {
+Vec3 FreeRows::parting(const SurfaceRow& row) const {
   const int k = body_of_[(*obstacles_)[row.plane]];
+  if (k < 0) return motion_of_solid(row);
+  return -twists_[k].at(place_of(row) - (*states_)[k].position);
+}
+
+Vec3 FreeRows::motion_of_solid(const SurfaceRow& row) const {
+  if (samples_->of_object(row.sample)) return Vec3::Zero();
+  const int k = body_of_[(*solids_)[row.plane]];
   if (k < 0) return Vec3::Zero();
-  return twists_[k].at(samples_->at(row.sample, *x_) - (*states_)[k].position);
+  return twists_[k].at(place_of(row) - (*states_)[k].position);
 }
 
 /// f = -G^-1 (away + J t) with the twists t = Y J' f, so that (1 + Y J' G^-1 J) t = -Y J' G^-1 away.

@@ -5,6 +5,7 @@
 ///
 ///      an obstacle:   s = -1,                     r = -(Q_s(x) - X)
 ///      a pin's part:  s = sum of W_si,            r = sum of W_si (x_i - X),       over the points that the pin holds,
+///      a solid's own sample (solid_samples.hpp):  s = 1,   r = its place - X,      if that solid is free,
 ///
 /// so that rows a and b move each other, beside what the masses of the points let them, by C_ab f with
 ///
@@ -18,7 +19,10 @@
 
 namespace softffd {
 
-/// A row: a sample of the surface at a plane.
+/// What is across a unit normal.
+inline Eigen::Matrix3d across(const Vec3& normal) { return Eigen::Matrix3d::Identity() - normal * normal.transpose(); }
+
+/// A row: a sample of the surface, or of a solid's own, at a plane.
 struct SurfaceRow {
   int plane, sample;
   auto operator<=>(const SurfaceRow&) const = default;
@@ -40,14 +44,22 @@ class FreeRows {
   /// The bodies in these states, rows being at x; what they yield is `scale` times their inverse masses. pins: their parts too, where
   /// nothing else lets them move. Read until the next call.
   void set_bodies(const Drive& around, const std::vector<FreeState>& states, const Points& x, double scale, bool pins);
-  /// obstacles: whose plane each is; read whenever a row is looked at.
-  void set_planes(const std::vector<int>& obstacles) { obstacles_ = &obstacles; }
+  /// Of each plane, read whenever a row is looked at: obstacles: whose it is; solids: whose own sample meets it, -1: the object's;
+  /// places: of that sample [m].
+  void set_planes(const std::vector<int>& obstacles, const std::vector<int>& solids, const std::vector<Vec3>& places) {
+    obstacles_ = &obstacles;
+    solids_ = &solids;
+    places_ = &places;
+  }
   bool any() const { return !yields_.empty(); }
   bool any_pin() const { return pins_; }
 
   /// Until the next call.
   const Handles& handles(const SurfaceRow& row);
   Eigen::Matrix3d between(const Handles& a, const Handles& b) const;
+  /// By which friction on a solid's own sample gives way, of what the sample yields by that matrix [m/N]: a rigid body that sticks at more
+  /// places than hold it would have no one solution. It creeps by this share of what its weight would move it by in a step.
+  static double give(const Eigen::Matrix3d& yields) { return 1e-6 / 3 * yields.trace(); }
 
   /// Of each body, by forces f of rows with these handles.
   void find_twists(const std::vector<Handles>& handles, const std::vector<Vec3>& forces);
@@ -60,8 +72,10 @@ class FreeRows {
              std::vector<Vec3>& forces) const;
   /// Adds to a motion of the points what the parts take the points of their pins by.
   void move_pins(Points& move) const;
-  /// By which a row's obstacle moves at its sample, 0 of those that are not free [m].
-  Vec3 carried(const SurfaceRow& row) const;
+  /// By which free obstacles move a row's sample away from its obstacle, the object's not being moved [m].
+  Vec3 parting(const SurfaceRow& row) const;
+  /// By which a solid's own sample moves; 0 of the object's, and where the solid is not free [m].
+  Vec3 motion_of_solid(const SurfaceRow& row) const;
   /// What all rows gave each body.
   const std::vector<Wrench>& given() const { return given_; }
 
@@ -79,7 +93,8 @@ class FreeRows {
     Eigen::Matrix3d mass, inertia;  ///< inverse ones, scaled
   };
   const Samples* samples_;
-  const std::vector<int>* obstacles_ = nullptr;
+  const std::vector<int>*obstacles_ = nullptr, *solids_ = nullptr;
+  const std::vector<Vec3>* places_ = nullptr;
   const Drive* around_ = nullptr;
   const std::vector<FreeState>* states_ = nullptr;
   const Points* x_ = nullptr;
@@ -89,6 +104,9 @@ class FreeRows {
     Handles handles;
   };
   Handles find_handles(const SurfaceRow& row) const;
+  Vec3 place_of(const SurfaceRow& row) const {
+    return samples_->of_object(row.sample) ? samples_->at(row.sample, *x_) : (*places_)[row.plane];
+  }
   std::vector<Known> known_;
   std::vector<Yield> yields_;
   std::vector<int> body_of_;  ///< (obstacles) -1: not free

@@ -6,6 +6,8 @@ namespace softffd {
 
 /// A gap of at most this share of the box's largest side is contact.
 inline constexpr double touching = 1e-12;
+/// The same of a free obstacle and another one, which turn it finds to as much.
+inline constexpr double free_touching = 1e-9;
 /// A pinned point further behind a plane than this share of the box's largest side contradicts it.
 inline constexpr double pin_slack = 1e-9;
 /// Share of the box and the distance from the origin by which a position may be behind a plane in computations; of the speeds, where

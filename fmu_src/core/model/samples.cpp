@@ -82,6 +82,11 @@ Samples::Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& p
   }
 }
 
+void Samples::add_idle(int number) {
+  first_.resize(first_.size() + number, {0, 0, 0});
+  factors_.resize(factors_.size() + std::size_t(number) * (width_[0] + width_[1] + width_[2]), 0.0);
+}
+
 const Scalars& Samples::hull(const Scalars& values, Scalars& room) const {
   if (!of_nodes()) return values;
   room = values;

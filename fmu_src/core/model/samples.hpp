@@ -25,6 +25,10 @@ class Samples {
 
   const Lattice& lattice() const { return lattice_; }
   int count() const { return int(places_.size()); }
+  /// Adds samples at which no control point counts: of what is not the object, but meets what its samples meet.
+  void add_idle(int number);
+  int all() const { return int(first_.size()); }  ///< those among them
+  bool of_object(int s) const { return s < count(); }
   const Vec3& place(int s) const { return places_[s]; }
   /// Number of control points that count at a sample, those of weight 0 among them.
   int support() const { return width_[0] * width_[1] * width_[2]; }

@@ -159,7 +159,7 @@ DampedSteps::Step DampedSteps::take(const Call& call, double until, bool again) 
   ++path.steps;
   const Slip& slip = outcome.slip;
   const bool turned = slip.load > 0 && (slip.stopped + slip.loosened) / slip.load * h > use::slight_slip * call.allowed(h);
-  return {outcome.status, outcome.constraints, turned, outcome.bend, outcome.lost};
+  return {outcome.status, outcome.constraints, turned, outcome.bend, outcome.lost, 0.5 * h * slip.rigid};
 }
 
 /// What energy that steps of h have taken from vibrations will have been able to move the body by [m]: it cannot lift what is pressed on
@@ -201,7 +201,7 @@ StepStatus DampedSteps::step(const Call& call, double until) {
   Snapshot snapshot(run.path, start_);
   const Step coarse = take(call, until);
   if (record.trust > 0) {
-    const double error = record.share * coarse.bend + passed_over(call, h, coarse.lost);
+    const double error = record.share * coarse.bend + passed_over(call, h, coarse.lost) + coarse.rigid;
     if (coarse.status == StepStatus::ok && !coarse.turned && error <= allowed) {
       --record.trust;
       forget(call, h);
@@ -252,7 +252,7 @@ DampedSteps::Judged DampedSteps::run_halves(const Call& call, double until, doub
   const double order = judged.steady ? 1.0 / 3 : 1;
   const Forces forces = compare_forces(call);
   judged.force = forces.largest;
-  judged.error = order * outcome_of(context, coarse_.motion, path.motion, ahead(context));
+  judged.error = order * outcome_of(context, coarse_.motion, path.motion, ahead(context)) + first.rigid + second.rigid;
   judged.ratio = std::max(judged.error / allowed, order * forces.difference);
   judged.over = passed_over(call, h, first.lost + second.lost);
   judged.steady = judged.steady && judged.over <= judged.ratio * allowed;

@@ -41,7 +41,8 @@ class DampedSteps {
     Count constraints;  ///< at its end
     bool turned;        ///< a contact stopped, turned round or began to slide in it
     double bend;
-    double lost;  ///< [J]
+    double lost;   ///< [J]
+    double rigid;  ///< way of free obstacles on others that ends or begins in it [m]
   };
   struct Forces {
     double difference, largest;

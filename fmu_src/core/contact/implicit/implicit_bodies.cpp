@@ -120,22 +120,34 @@ void ImplicitStage::push_free(const Step& step) {
     if (each.part()) continue;  // it is where its points are
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
     for (const Reaction& reaction : reactions_) {
-      if (reaction.plane != each.body().plane) continue;
-      const Vec3 taken = -impulse(step, reaction);
+      const int own = each.body().plane;
+      if (reaction.plane != own && reaction.solid != own) continue;
+      const Vec3 taken = reaction.solid == own ? impulse(step, reaction) : Vec3(-impulse(step, reaction));
       force += taken;
-      torque += (touches_->value(reaction, x) - touches_->plane(reaction.plane).point).cross(taken);
+      torque += ((on_body(reaction) ? touches_->value(reaction, x) : reaction.place) - touches_->plane(own).point).cross(taken);
     }
     free[each.index()] = each.stepped(step.from.free[each.index()], step.h, force, torque);
   }
 }
 
+ImplicitStage::OnFree ImplicitStage::on_free(const Step& step, const Reaction& at) const {
+  const bool free_sample = step.equations.around.planes[at.solid].own;
+  const Vec3 given = free_sample ? impulse(step, at) : Vec3(-impulse(step, at));
+  const Vec3 velocity = free_sample ? material_velocity(step, at) : pose_of(step, at.solid, true).material_velocity(at.place);
+  return {free_sample ? at.plane : at.solid, given, given.dot(velocity)};
+}
+
+/// Less what other obstacles do on them.
 double ImplicitStage::work_of_free(const Step& step) const {
   double work = 0;
   for (const Pin& pin : step.equations.around.pins)
     for (int p : pin.points)
       if (pin.own) work += pin_impulse(step, p).dot(row(u_, p)) / step.h;
   for (const Reaction& each : reactions_)
-    if (step.equations.around.planes[each.plane].own) work += impulse(step, each).dot(material_velocity(step, each));
+    if (!on_body(each))
+      work -= on_free(step, each).work;
+    else if (step.equations.around.planes[each.plane].own)
+      work += impulse(step, each).dot(material_velocity(step, each));
   return work;
 }
 
@@ -160,7 +172,7 @@ void SurfaceTouches::place_free(const Points& x) {
     end_[q] = middle_[q] = poses_[q];
     middle_[q].point = 0.5 * (from.position + end.position);
   }
-  free_rows_.set_planes(obstacle_);
+  free_rows_.set_planes(obstacle_, solid_, own_);
   free_rows_.set_bodies(around, free_bodies_, x, h * h, false);
   set_.delassus().set_free(&free_rows_);
 }

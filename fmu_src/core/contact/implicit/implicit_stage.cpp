@@ -66,7 +66,7 @@ StepStatus ImplicitStage::solve(const Step& step) {
 bool ImplicitStage::presses_solids(const Step& step) const {
   return std::ranges::all_of(reactions_, [&](const Reaction& each) {
     const Plane& solid = step.equations.around.planes[each.plane];
-    return !solid.stood_for() || each.force.isZero(0) ||
+    return !solid.stood_for() || !on_body(each) || each.force.isZero(0) ||
            solid.holds(solid.pose_at(step.t + step.h), touches_->value(each, x), touching * step.equations.body.length);
   });
 }
@@ -228,7 +228,7 @@ void ImplicitStage::close(const Step& step) {
   step.equations.body.internal_force(x, spring);
   std::uint64_t sum = 0;
   for (const Reaction& each : reactions_) {
-    const double limit = step.equations.around.planes[each.plane].friction * each.normal.dot(each.force);
+    const double limit = friction_of(step, each) * each.normal.dot(each.force);
     const bool slides = tangential(each.normal, each.force).norm() >= slides_from * limit;
     sum += mixed(2 * (std::uint64_t(each.plane) << 32 | std::uint64_t(each.at)) + slides);
   }
@@ -247,7 +247,8 @@ void ImplicitStage::spread_rounding(const Step& step) {
     missing += body.mass[p] * (row(v, p) - row(step.from.v, p)) + body.damping[p] * row(u_, p) - step.h * row(force_, p);
     inertia += body.mass[p] + step.h * body.damping[p];
   }
-  for (const Reaction& each : reactions_) missing -= impulse(step, each);
+  for (const Reaction& each : reactions_)
+    if (on_body(each)) missing -= impulse(step, each);
   for (const Pin& pin : step.equations.around.pins) {
     holders += int(pin.points.size());
     for (int p : pin.points) missing -= pin_impulse(step, p);
@@ -273,7 +274,8 @@ HalfSpace ImplicitStage::begin_of(const Step& step, int obstacle, const Vec3& pl
 /// Of planes and pins on the body.
 double ImplicitStage::contact_work(const Step& step) const {
   double work = 0;
-  for (const Reaction& each : reactions_) work += impulse(step, each).dot(material_velocity(step, each));
+  for (const Reaction& each : reactions_)
+    if (on_body(each)) work += impulse(step, each).dot(material_velocity(step, each));
   for (const Pin& pin : step.equations.around.pins)
     for (int p : pin.points) work += pin_impulse(step, p).dot(row(u_, p)) / step.h;
   return work;
@@ -283,6 +285,7 @@ double ImplicitStage::contact_work(const Step& step) const {
 double ImplicitStage::given_by_contacts(const Step& step, double work) const {
   double given = work;
   for (const Reaction& each : reactions_) {
+    if (!on_body(each)) continue;
     const Vec3 slip = 0.5 * (touches_->value(each, step.from.v) + touches_->value(each, v)) - material_velocity(step, each);
     given += impulse(step, each).dot(tangential(each.normal, slip));
   }
@@ -293,10 +296,11 @@ double ImplicitStage::given_by_contacts(const Step& step, double work) const {
 bool ImplicitStage::strikes(const Step& step) const {
   const double length = step.equations.body.length, slight = std::max(slight_approach * length, jump * step.way);
   return std::any_of(reactions_.begin(), reactions_.end(), [&](const Reaction& each) {
-    const Vec3 place = touches_->value(each, step.from.x);
+    const Vec3 place = place_at_begin(step, each);
     const HalfSpace plane = begin_of(step, each.plane, place);
-    const double approach = each.normal.dot(plane.material_velocity(place) - touches_->value(each, step.from.v));
-    return each.normal.dot(each.force) > 0 && (plane.gap(place) > touching * length || approach * step.h > slight);
+    const double approach = each.normal.dot(plane.material_velocity(place) - velocity_at_begin(step, each));
+    return each.normal.dot(each.force) > 0 &&
+           (plane.gap(place) > (on_body(each) ? touching : free_touching) * length || approach * step.h > slight);
   });
 }
 
@@ -305,7 +309,7 @@ double ImplicitStage::lost_power(const Step& step) const {
   double power = (body.damping * v.square().rowwise().sum()).sum();
   power += body.dashpot_power(x, v);
   for (const Reaction& each : reactions_)
-    power -= each.force.dot(tangential(each.normal, touches_->value(each, v) - material_velocity(step, each)));
+    if (on_body(each)) power -= each.force.dot(tangential(each.normal, touches_->value(each, v) - material_velocity(step, each)));
   return power;
 }
 
@@ -314,15 +318,18 @@ double ImplicitStage::lost_power(const Step& step) const {
 Slip ImplicitStage::slip_of_contacts(const Step& step) const {
   Slip sum;
   for (const Reaction& each : reactions_) {
-    const Plane& plane = step.equations.around.planes[each.plane];
-    const double load = each.normal.dot(each.force), limit = plane.friction * load;
+    const double load = each.normal.dot(each.force), limit = friction_of(step, each) * load;
     if (!(limit > 0)) continue;
-    const Vec3 place = touches_->value(each, step.from.x);
+    const Vec3 place = place_at_begin(step, each);
     const Vec3 surface = begin_of(step, each.plane, place).material_velocity(place);
     const Vec3 later = touches_->plane(each.plane).material_velocity(place);
-    const Vec3 begin = tangential(each.normal, touches_->value(each, step.from.v) - surface);
-    const Vec3 end = tangential(each.normal, touches_->value(each, v) - material_velocity(step, each));
-    sum.add_contact(load, limit, tangential(each.normal, each.force), begin, end, (later - surface).norm());
+    const Vec3 begin = tangential(each.normal, velocity_at_begin(step, each) - surface);
+    const Vec3 end = tangential(each.normal, velocity_at_end(step, each) - material_velocity(step, each));
+    const Vec3 rub = tangential(each.normal, each.force);
+    if (on_body(each))
+      sum.add_contact(load, limit, rub, begin, end, (later - surface).norm());
+    else
+      sum.add_rigid(limit, rub, begin, end, (later - surface).norm());
   }
   return sum;
 }
@@ -331,9 +338,29 @@ Slip ImplicitStage::slip_of_contacts(const Step& step) const {
 Vec3 ImplicitStage::material_velocity(const Step& step, const Reaction& at) const {
   if (const FreeMotion* own = step.equations.around.planes[at.plane].own) {
     const FreeState& end = free[own->index()];
-    return end.velocity + own->spin(end).cross(touches_->value(at, x) - end.position);
+    return end.velocity + own->spin(end).cross((on_body(at) ? touches_->value(at, x) : at.place) - end.position);
   }
+  if (!on_body(at)) return touches_->material_velocity(at.plane, 0.5 * (at.begin + at.place));
   return touches_->material_velocity(at.plane, touches_->value(at, step.from.x) + 0.5 * touches_->value(at, u_));
+}
+
+SolidPose ImplicitStage::pose_of(const Step& step, int obstacle, bool at_end) const {
+  const Plane& plane = step.equations.around.planes[obstacle];
+  if (plane.own) return plane.pose_of((at_end ? free : step.from.free)[plane.own->index()]);
+  return plane.pose_at(at_end ? step.t + step.h : step.t);
+}
+
+/// Of what the obstacle meets there.
+Vec3 ImplicitStage::place_at_begin(const Step& step, const Reaction& at) const {
+  return on_body(at) ? touches_->value(at, step.from.x) : at.begin;
+}
+
+Vec3 ImplicitStage::velocity_at_begin(const Step& step, const Reaction& at) const {
+  return on_body(at) ? touches_->value(at, step.from.v) : pose_of(step, at.solid, false).material_velocity(at.begin);
+}
+
+Vec3 ImplicitStage::velocity_at_end(const Step& step, const Reaction& at) const {
+  return on_body(at) ? touches_->value(at, v) : pose_of(step, at.solid, true).material_velocity(at.place);
 }
 
 /// On the body.
@@ -350,6 +377,11 @@ Vec3 ImplicitStage::pin_impulse(const Step& step, int p) const {
 void ImplicitStage::book(const Step& step, double weight, Exchange& exchange) const {
   const Drive& around = step.equations.around;
   for (const Reaction& each : reactions_) {
+    if (!on_body(each)) {
+      const auto [other, given, work] = on_free(step, each);
+      exchange.planes[other].add(-weight * given, each.place - pose_of(step, other, true).point);
+      continue;
+    }
     const Vec3 arm = touches_->value(each, x) - touches_->plane(each.plane).point, taken = weight * impulse(step, each);
     exchange.planes[each.plane].add(-taken, arm);
     exchange.touch(each.plane, each.at, taken);

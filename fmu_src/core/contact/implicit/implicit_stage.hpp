@@ -95,6 +95,21 @@ class ImplicitStage {
   HalfSpace begin_of(const Step& step, int obstacle, const Vec3& place) const;
   Vec3 material_velocity(const Step& step, const Reaction& at) const;
   Vec3 impulse(const Step& step, const Reaction& reaction) const;
+  SolidPose pose_of(const Step& step, int obstacle, bool at_end) const;
+  Vec3 place_at_begin(const Step& step, const Reaction& at) const;
+  Vec3 velocity_at_begin(const Step& step, const Reaction& at) const;
+  Vec3 velocity_at_end(const Step& step, const Reaction& at) const;
+  /// What a reaction at a solid's own sample does to the free one of two obstacles.
+  struct OnFree {
+    int other;     ///< the one that is not free
+    Vec3 impulse;  ///< [N s]
+    double work;   ///< of the other's own motion on it [J]
+  };
+  OnFree on_free(const Step& step, const Reaction& at) const;
+  static double friction_of(const Step& step, const Reaction& at) {
+    return on_body(at) ? step.equations.around.planes[at.plane].friction : at.friction;
+  }
+  static bool on_body(const Reaction& reaction) { return reaction.solid < 0; }
   Vec3 pin_impulse(const Step& step, int p) const;
 
   std::unique_ptr<ImplicitTouches> touches_;

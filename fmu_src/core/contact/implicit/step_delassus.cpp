@@ -43,8 +43,14 @@ Eigen::Matrix3d StepDelassus::block(const SurfaceRow& a, const SurfaceRow& b) {
   if (free_) {
     const Handles of_a = free_->handles(a);  // they are for one row at a time
     sum += free_->between(of_a, free_->handles(b));
+    if (a == b && !samples_->of_object(a.sample)) sum += FreeRows::give(sum) * across(normals_[a.plane]);
   }
   return sum;
+}
+
+double StepDelassus::give(const SurfaceRow& row) {
+  const Handles handles = free_->handles(row);
+  return FreeRows::give(free_->between(handles, handles));
 }
 
 Eigen::Matrix3d StepDelassus::operator()(int s, int t) {
@@ -65,6 +71,7 @@ const StepDelassus::Response& StepDelassus::response(int s) {
   for (int axis = 0; axis < 3; ++axis) {
     Points& moved = made.moved[axis];
     moved.setZero(body_->points(), 3);
+    if (!samples_->of_object(s)) continue;
     spread(s, Vec3::Unit(axis), moved);
     body_->hold_prescribed(moved);
     matrix_->solve(moved);
@@ -135,7 +142,7 @@ void StepDelassus::apply_impulses(const std::vector<double>& forces, const std::
   free_->clear_twists();
   for (std::size_t t = 0; t < forces.size(); ++t) free_->add_force(rows_[t], forces[t] * normals_[rows_[t].plane]);
   for (std::size_t q = 0; q < gaps.size(); ++q)
-    if (gaps[q].sample >= 0) gaps[q].of_sample -= normals_[q].dot(free_->carried({int(q), gaps[q].sample}));
+    if (gaps[q].sample >= 0) gaps[q].of_sample += normals_[q].dot(free_->parting({int(q), gaps[q].sample}));
 }
 
 }  // namespace softffd

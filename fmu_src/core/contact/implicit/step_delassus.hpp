@@ -16,7 +16,7 @@ namespace softffd {
 
 class StepDelassus {
  public:
-  explicit StepDelassus(const Samples& samples) : samples_(&samples), index_(samples.count(), -1) {}
+  explicit StepDelassus(const Samples& samples) : samples_(&samples), index_(samples.all(), -1) {}
 
   /// What free obstacles yield too; null: there are none. Its twists are those of the last forces.
   void set_free(FreeRows* free) { free_ = free; }
@@ -51,6 +51,8 @@ class StepDelassus {
   /// G of two samples [m/N]; and of two rows, with what free obstacles yield.
   Eigen::Matrix3d operator()(int s, int t);
   Eigen::Matrix3d block(const SurfaceRow& a, const SurfaceRow& b);
+  /// That of a solid's own sample (FreeRows::give).
+  double give(const SurfaceRow& row);
   /// u += Z_s f [m].
   void add_response(int s, const Vec3& f, Points& u);
   /// f_i += W_si f [N].

@@ -19,6 +19,8 @@ constexpr double response_roundings = 2;
 constexpr double most_turn = 1e-6;
 /// By which a free obstacle may [rad]; its samples are behind it by the square.
 constexpr double most_free_turn = 1e-7;
+/// And by which forces of the step before may turn it [rad].
+constexpr double most_guessed_turn = 1e-4;
 
 constexpr auto by_row = [](const auto& a, const auto& b) { return a.row < b.row; };
 
@@ -31,7 +33,6 @@ SurfaceTouches::SurfaceTouches(const Samples& samples, double length, int planes
       end_(planes),
       poses_(planes),
       free_rows_(samples),
-      friction_(planes, 0.0),
       tangents_(samples, length),
       search_(samples, planes, length),
       matrix_(samples.lattice()),
@@ -46,15 +47,18 @@ void SurfaceTouches::open(const Step& step) {
   flat_ = int(std::ranges::count_if(obstacles, [](const Plane& each) { return !each.solid(); }));
   planes_.resize(flat_);
   obstacle_.resize(flat_);
+  friction_.resize(flat_);
+  solid_.assign(flat_, -1);
+  own_.assign(flat_, Vec3::Zero());
   for (std::size_t q = 0; q < end_.size(); ++q) {
     middle_[q] = obstacles[q].at(step.t + 0.5 * step.h);
     end_[q] = obstacles[q].at(step.t + step.h);
-    if (obstacles[q].solid()) poses_[q] = obstacles[q].pose_at(step.t + step.h);
-    friction_[q] = obstacles[q].friction;
+    poses_[q] = obstacles[q].pose_at(step.t + step.h);
   }
   for (int q = 0; q < flat_; ++q) {
     planes_[q] = end_[q];
     obstacle_[q] = q;
+    friction_[q] = obstacles[q].friction;
   }
   forces_.clear();
   set_normals();
@@ -79,7 +83,7 @@ bool SurfaceTouches::possible(const Vec3& x, double slack) {
 void SurfaceTouches::guess(const Step& step, const Points&, const Points& x) {
   if (flat_ < int(end_.size())) find_tangents(tangents_.way(step.from.x, x));
   const HeldRows& held = step.from.held_rows;
-  const int count = samples_.count();
+  const int count = samples_.all();
   forces_.clear();
   for (std::size_t t = 0; t < held.rows.size() && held.rows[t] >= 0; ++t) {
     const int obstacle = int(held.rows[t] / count), sample = int(held.rows[t] % count);
@@ -87,6 +91,17 @@ void SurfaceTouches::guess(const Step& step, const Points&, const Points& x) {
     const SurfaceRow row{plane_of(obstacle, sample), sample};
     if (row.plane >= 0 && (forces_.empty() || forces_.back().row < row)) forces_.push_back({row, softffd::row(held.forces, int(t))});
   }
+  const auto of_solid = [&](const Force& each) { return own(each.row); };
+  if (std::ranges::any_of(forces_, of_solid) && turns_free(x)) std::erase_if(forces_, of_solid);
+}
+
+/// Do the forces at hand turn a free body that other obstacles hold, so that they are not those of this step?
+bool SurfaceTouches::turns_free(const Points& x) {
+  place_free(x);
+  return std::ranges::any_of(step_->equations.around.free, [&](const FreeMotion& each) {
+    const Vec3 spin = each.spin(free_bodies_[each.index()]) - each.spin(step_->from.free[each.index()]);
+    return step_->h * spin.norm() > most_guessed_turn;
+  });
 }
 
 void SurfaceTouches::hold(State& state) const {
@@ -104,7 +119,7 @@ void SurfaceTouches::hold(State& state) const {
 
 /// In which the sample meets the obstacle; -1: in none.
 int SurfaceTouches::plane_of(int obstacle, int sample) const {
-  if (obstacle < flat_) return obstacle;
+  if (obstacle < flat_ && samples_.of_object(sample)) return obstacle;
   const int at = tangents_.index(obstacle, sample);
   return at < 0 ? -1 : flat_ + at;
 }
@@ -118,16 +133,60 @@ void SurfaceTouches::find_tangents(double way) {
   covered_ = true;
   planes_.resize(flat_);
   obstacle_.resize(flat_);
+  friction_.resize(flat_);
+  solid_.resize(flat_);
+  own_.resize(flat_);
   for (const Tangent& each : tangents_.found()) {
     planes_.push_back(each.end);
     obstacle_.push_back(each.obstacle);
+    friction_.push_back(each.friction);
+    solid_.push_back(each.solid);
+    own_.push_back(each.nearest);
   }
   set_normals();
   forces_.clear();
   for (const auto& [number, force] : known) {
-    const int sample = int(number % samples_.count()), plane = plane_of(int(number / samples_.count()), sample);
+    const int sample = int(number % samples_.all()), plane = plane_of(int(number / samples_.all()), sample);
     if (plane >= 0) forces_.push_back({{plane, sample}, force});
   }
+}
+
+/// Where the sample of a row is when the step begins.
+Vec3 SurfaceTouches::begin_of(const SurfaceRow& row) const {
+  return own(row) ? tangent_of(row.plane).place : samples_.at(row.sample, step_->from.x);
+}
+
+/// Where its material is at the end, control points being at x and free bodies where they were placed.
+Vec3 SurfaceTouches::material_of(const SurfaceRow& row, const Points& x) const {
+  if (!own(row)) return samples_.at(row.sample, x);
+  const Plane& solid = step_->equations.around.planes[solid_[row.plane]];
+  const SolidPose start = solid.own ? solid.pose_of(step_->from.free[solid.own->index()]) : solid.pose_at(step_->t);
+  return taken_along(solid, start, tangent_of(row.plane).place, poses_[solid_[row.plane]]);
+}
+
+/// Where the sample is then.
+Vec3 SurfaceTouches::nearest_of(const SurfaceRow& row, const Points& x) const {
+  if (!own(row)) return samples_.at(row.sample, x);
+  const int solid = solid_[row.plane];
+  const Tangent& found = tangent_of(row.plane);
+  const std::vector<Plane>& planes = step_->equations.around.planes;
+  const std::optional<Vec3> sample =
+      sample_of(planes[solid], poses_[solid], tangents_.number_of(found), planes[found.obstacle], poses_[found.obstacle]);
+  return sample ? *sample : material_of(row, x);
+}
+
+/// By which free obstacles go at the forces at hand [m].
+double SurfaceTouches::way_of_free() const {
+  double most = 0;
+  for (const FreeMotion& each : step_->equations.around.free) {
+    if (each.body().plane < 0) continue;
+    const FreeState &from = step_->from.free[each.index()], &end = free_bodies_[each.index()];
+    const Twist& twist = free_rows_.twists()[each.index()];
+    const double turned = (axes_of(end.orientation) - axes_of(from.orientation)).norm() + twist.turn.norm();
+    const double size = step_->equations.around.planes[each.body().plane].size();
+    most = std::max(most, (end.position + twist.move - from.position).norm() + size * turned);
+  }
+  return most;
 }
 
 /// The tangent of a plane at a place of its sample: at its foot where the place is behind the half-space that was in front of the sample
@@ -135,13 +194,18 @@ void SurfaceTouches::find_tangents(double way) {
 HalfSpace SurfaceTouches::tangent_at(int plane, const Vec3& place) const {
   const HalfSpace& start = tangents_.found()[plane - flat_].end;
   const int solid = obstacle_[plane];
+  if (solid < flat_) return end_[solid];
   return tangent(step_->equations.around.planes[solid], poses_[solid], place - std::min(start.gap(place), 0.0) * start.normal);
 }
 
 /// To where the samples are now; forces go with the normals.
 void SurfaceTouches::turn_tangents(const StepProblem& problem) {
   const std::vector<Vec3> before = normals_;
-  for (int q = flat_; q < int(planes_.size()); ++q) planes_[q] = tangent_at(q, samples_.at(tangents_.found()[q - flat_].sample, problem.x));
+  for (int q = flat_; q < int(planes_.size()); ++q) {
+    const SurfaceRow row{q, tangent_of(q).sample};
+    planes_[q] = tangent_at(q, nearest_of(row, problem.x));
+    own_[q] = nearest_of(row, problem.x);
+  }
   set_normals();
   for (Force& each : forces_)
     if (each.row.plane >= flat_) each.force = swung(before[each.row.plane], normals_[each.row.plane], each.force);
@@ -151,8 +215,8 @@ void SurfaceTouches::turn_tangents(const StepProblem& problem) {
 bool SurfaceTouches::tangents_stand(const StepProblem& problem) const {
   return std::ranges::all_of(forces_, [&](const Force& each) {
     if (each.row.plane < flat_) return true;
-    Vec3 place = samples_.at(each.row.sample, problem.x) + samples_.at(each.row.sample, move_);
-    if (free_rows_.any()) place -= free_rows_.carried(each.row);
+    Vec3 place = nearest_of(each.row, problem.x) + samples_.at(each.row.sample, move_);
+    if (free_rows_.any()) place += free_rows_.parting(each.row);
     return (tangent_at(each.row.plane, place).normal - normals_[each.row.plane]).norm() <= most_turn;
   });
 }
@@ -161,14 +225,15 @@ StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
   solution_.fresh = solution_.settled = false;
   const bool solids = flat_ < int(end_.size());
   if (!free_bodies_.empty()) place_free(problem.x);
-  if (solids && !covered_) find_tangents(2 * tangents_.way(problem.x0, problem.x));
+  if (solids && !covered_) find_tangents(2 * std::max(tangents_.way(problem.x0, problem.x), free_bodies_.empty() ? 0 : way_of_free()));
   if (solids) turn_tangents(problem);
   if (!solve_free(problem)) return StepStatus::not_finite;
   before_ = forces_;
   if (const StepStatus status = find_forces(problem); status != StepStatus::ok) return status;
   std::erase_if(forces_, [](const Force& each) { return each.force.isZero(0); });
   if (solids) {
-    covered_ = tangents_.covers(tangents_.way(problem.x0, problem.x + move_));
+    covered_ = tangents_.covers(tangents_.way(problem.x0, problem.x + move_)) &&
+               (samples_.all() == samples_.count() || tangents_.covers(way_of_free()));
     solution_.settled = solution_.settled && covered_ && tangents_stand(problem);
     for (const Twist& each : free_rows_.twists()) solution_.settled = solution_.settled && each.turn.norm() <= most_free_turn;
   }
@@ -266,7 +331,7 @@ bool SurfaceTouches::take_loads() {
 }
 
 bool SurfaceTouches::rubs() const {
-  return std::any_of(forces_.begin(), forces_.end(), [&](const Force& each) { return friction_[obstacle_[each.row.plane]] > 0; });
+  return std::any_of(forces_.begin(), forces_.end(), [&](const Force& each) { return friction_[each.row.plane] > 0; });
 }
 
 /// All forces of the active rows. Returns whether they keep to Coulomb's law, and the other rows in front of their planes.
@@ -281,8 +346,9 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
   std::vector<Vec3> force;
   for (const Force& each : forces_) {
     coulomb_.normals.push_back(normals_[each.row.plane]);
-    coulomb_.friction.push_back(friction_[obstacle_[each.row.plane]]);
+    coulomb_.friction.push_back(friction_[each.row.plane]);
     coulomb_.u.push_back(place(problem, each.row));
+    if (own(each.row)) coulomb_.u.back() += g.give(each.row) * tangential(normals_[each.row.plane], each.force);
     force.push_back(each.force);
     for (int t = 0; t < n; ++t) coulomb_.g.push_back(g.block(each.row, forces_[t].row));
   }
@@ -310,11 +376,11 @@ bool SurfaceTouches::in_front(double slack) {
 /// What a row has of gap along its normal and of slip across it [m].
 Vec3 SurfaceTouches::place(const StepProblem& problem, const SurfaceRow& row) const {
   const HalfSpace& plane = planes_[row.plane];
-  const Vec3 begin = samples_.at(row.sample, problem.x0), u = samples_.at(row.sample, problem.u);
+  const Vec3 begin = begin_of(row), u = own(row) ? Vec3(material_of(row, problem.x) - begin) : samples_.at(row.sample, problem.u);
   Vec3 move = samples_.at(row.sample, move_);
-  if (free_rows_.any()) move -= free_rows_.carried(row);
+  if (free_rows_.any()) move += free_rows_.parting(row);
   const Vec3 slip = u + move - problem.h * material_velocity(obstacle_[row.plane], begin + 0.5 * u);
-  return (plane.gap(samples_.at(row.sample, problem.x)) + plane.normal.dot(move)) * plane.normal + tangential(plane.normal, slip);
+  return (plane.gap(nearest_of(row, problem.x)) + plane.normal.dot(move)) * plane.normal + tangential(plane.normal, slip);
 }
 
 /// With these forces in the place of those before.
@@ -345,8 +411,8 @@ void SurfaceTouches::find_heights(const StepProblem& problem) {
     const HalfSpace& plane = planes_[q];
     gap_functions_[q].sample = q < flat_ ? -1 : tangents_.found()[q - flat_].sample;
     if (const int s = gap_functions_[q].sample; s >= 0) {
-      gap_functions_[q].of_sample = plane.gap(samples_.at(s, problem.x)) + plane.normal.dot(samples_.at(s, move_));
-      if (free_rows_.any()) gap_functions_[q].of_sample -= plane.normal.dot(free_rows_.carried({q, s}));
+      gap_functions_[q].of_sample = plane.gap(nearest_of({q, s}, problem.x)) + plane.normal.dot(samples_.at(s, move_));
+      if (free_rows_.any()) gap_functions_[q].of_sample += plane.normal.dot(free_rows_.parting({q, s}));
       continue;
     }
     Scalars& gaps = gap_functions_[q].of_points;
@@ -392,8 +458,16 @@ double SurfaceTouches::largest_load() const {
 
 void SurfaceTouches::find_reactions(std::vector<Reaction>& reactions) const {
   reactions.clear();
-  for (const Force& each : forces_)
-    reactions.push_back({obstacle_[each.row.plane], each.row.sample, normals_[each.row.plane], each.force, true});
+  for (const Force& each : forces_) {
+    const int q = each.row.plane;
+    reactions.push_back({obstacle_[q], each.row.sample, normals_[q], each.force, !own(each.row)});
+    if (own(each.row)) {
+      reactions.back().solid = solid_[q];
+      reactions.back().friction = friction_[q];
+      reactions.back().begin = begin_of(each.row);
+      reactions.back().place = own_[q];
+    }
+  }
 }
 
 }  // namespace softffd

@@ -62,8 +62,16 @@ class SurfaceTouches final : public ImplicitTouches {
   void turn_tangents(const StepProblem& problem);
   bool tangents_stand(const StepProblem& problem) const;
   HalfSpace tangent_at(int plane, const Vec3& place) const;
-  Count number(const SurfaceRow& row) const { return Count(obstacle_[row.plane]) * samples_.count() + row.sample; }
+  Count number(const SurfaceRow& row) const { return Count(obstacle_[row.plane]) * samples_.all() + row.sample; }
+  /// Is it a row of a solid's own sample?
+  bool own(const SurfaceRow& row) const { return !samples_.of_object(row.sample); }
+  const Tangent& tangent_of(int plane) const { return tangents_.found()[plane - flat_]; }
+  Vec3 begin_of(const SurfaceRow& row) const;
+  Vec3 material_of(const SurfaceRow& row, const Points& x) const;
+  Vec3 nearest_of(const SurfaceRow& row, const Points& x) const;
+  double way_of_free() const;
   void place_free(const Points& x);
+  bool turns_free(const Points& x);
   StepStatus press(const StepProblem& problem, bool& lost);
   void find_loads();
   bool in_front(double slack);
@@ -82,11 +90,13 @@ class SurfaceTouches final : public ImplicitTouches {
   std::vector<SolidPose> poses_;         ///< of solids, at the end
   FreeRows free_rows_;
   std::vector<FreeState> free_bodies_;  ///< at the end, by the forces at the linearisation
-  std::vector<double> friction_;        ///< (obstacles) coefficients
   Tangents tangents_;
   int flat_ = 0;                   ///< number of half-spaces, which come first; then planes of the tangents, one each
   std::vector<HalfSpace> planes_;  ///< at the end of the step
   std::vector<int> obstacle_;      ///< (planes) whose plane it is
+  std::vector<double> friction_;   ///< (planes) coefficients
+  std::vector<int> solid_;         ///< (planes) whose own sample it is for; -1: the object's
+  std::vector<Vec3> own_;          ///< (planes) its place
   std::vector<Vec3> normals_;      ///< (planes)
   const Step* step_ = nullptr;     ///< that is open
   bool covered_ = true;            ///< no other sample can have come to a solid

@@ -113,6 +113,7 @@ void Delassus::factor(int from) {
 Eigen::Matrix3d Delassus::block(int s, int t) const {
   Eigen::Matrix3d sum = (*this)(s, t) * Eigen::Matrix3d::Identity();
   if (free_) sum += free_->between(handles_[s], handles_[t]);
+  if (s == t && !samples_->of_object(rows_[s].sample)) sum += FreeRows::give(sum) * across(normals_[rows_[s].plane]);
   return sum;
 }
 
@@ -134,7 +135,7 @@ void Delassus::move_gaps(const Points& move, std::vector<GapFunction>& gaps) con
   operations_.spend(4 * double(gaps.size()) * double(move.rows()));
   for (std::size_t q = 0; q < gaps.size(); ++q) {
     gaps[q].add_motion(*samples_, range(), move, normals_[q]);
-    if (free_ && gaps[q].sample >= 0) gaps[q].of_sample -= normals_[q].dot(free_->carried({int(q), gaps[q].sample}));
+    if (free_ && gaps[q].sample >= 0) gaps[q].of_sample += normals_[q].dot(free_->parting({int(q), gaps[q].sample}));
   }
 }
 

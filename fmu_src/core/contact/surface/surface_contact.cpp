@@ -99,8 +99,27 @@ void SurfaceContact::move_planes(const StepView& step) {
 /// GapFunction above the planes; returns whether a control point is behind one, or the sample of a tangent.
 bool SurfaceContact::find_heights(const Points& x1) {
   bool behind = false;
-  for (std::size_t q = 0; q < end_.size(); ++q) behind = drift_.gaps[q].find(samples_, x1, end_[q].normal, end_[q].offset) || behind;
+  for (std::size_t q = 0; q < end_.size(); ++q) {
+    GapFunction& gap = drift_.gaps[q];
+    if (solid_[q] < 0) {
+      behind = gap.find(samples_, x1, end_[q].normal, end_[q].offset) || behind;
+    } else {
+      gap.of_sample = end_[q].gap(tangents_.found()[q - flat_].nearest);
+      behind = behind || gap.of_sample < 0;
+    }
+  }
   return behind;
+}
+
+/// Along the normals at the end of the step, but of one plane.
+void SurfaceContact::find_speeds(const Points& v, int but) {
+  for (int q = 0; q < int(end_.size()); ++q) {
+    if (q == but) continue;
+    if (solid_[q] < 0)
+      close_.gaps[q].find(samples_, v, end_[q].normal, 0);
+    else
+      close_.gaps[q].of_sample = end_[q].normal.dot(tangents_.found()[q - flat_].velocity);
+  }
 }
 
 /// Lists the samples near a plane.
@@ -144,7 +163,7 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
 
 /// Where a sample is to be tangentially at the end of the drift: it sticks from the moment on at which it is on its plane.
 Vec3 SurfaceContact::aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once) {
-  const Vec3 begin = samples_.at(row.sample, step.x0);
+  const Vec3 begin = begin_of(row, step.x0);
   const Vec3 target = begin + step.h * middle_[row.plane].material_velocity(0.5 * (begin + free));
   const double gap = start_[row.plane].gap(begin);
   if (at_once || gap <= touching * length_) return target;
@@ -242,7 +261,7 @@ StepStatus SurfaceContact::position_stage(const StepView& step, const Points& v,
     const Count own = number(row);
     while (known < rows.drift.size() && rows.drift[known] >= 0 && rows.drift[known] < own) ++known;
     if (known < rows.drift.size() && rows.drift[known] == own) continue;
-    impacts_ += flew || start_[row.plane].gap(samples_.at(row.sample, step.x0)) > touching * length_;
+    impacts_ += flew || start_[row.plane].gap(begin_of(row, step.x0)) > touching * length_;
   }
   lands_ = impacts_ > before;
   for (const Candidate& candidate : drift_.candidates)
@@ -256,7 +275,7 @@ StepStatus SurfaceContact::meet_near(const StepView& step, const Points& v, cons
   arrives_ = false;
   for (const bool at_once : {false, true}) {
     const auto slip_of = [&](const SurfaceRow& row) {
-      const Vec3 free = samples_.at(row.sample, x1);
+      const Vec3 free = flown_of(row, x1);
       return Vec3(free - aim(step, free, row, at_once));
     };
     if (at_once) drift_.gaps = free_;
@@ -270,21 +289,24 @@ StepStatus SurfaceContact::meet_near(const StepView& step, const Points& v, cons
 bool SurfaceContact::gains(const StepView& step, const Points& x1) const {
   double gain = 0, size = 0;
   for (std::size_t t = 0; t < drift_.rows.size(); ++t) {
-    const auto [plane, sample] = drift_.rows[t];
-    const Vec3 begin = samples_.at(sample, step.x0), end = samples_.at(sample, x1);
-    Vec3 by = 0.5 * samples_.at(sample, drift_.move());
-    if (drift_.free()) by -= 0.5 * drift_.free()->carried(drift_.rows[t]);
-    const double each = drift_.force(int(t)).dot(end + by - begin - step.h * middle_[plane].material_velocity(0.5 * (begin + end)));
+    const SurfaceRow& row = drift_.rows[t];
+    const Vec3 begin = begin_of(row, step.x0), end = flown_of(row, x1);
+    Vec3 by = 0.5 * samples_.at(row.sample, drift_.move());
+    if (drift_.free()) by += 0.5 * drift_.free()->parting(row);
+    const double each = drift_.force(int(t)).dot(end + by - begin - step.h * middle_[row.plane].material_velocity(0.5 * (begin + end)));
     gain += each;
     size += std::abs(each);
   }
   return gain > no_gain * size;
 }
 
-/// Where the rows of a stage are.
+/// Where the rows of a stage are, after it.
 void SurfaceContact::find_places(const SurfaceStage& stage, const Points& x1) {
   places_.clear();
-  for (const SurfaceRow& row : stage.rows) places_.push_back(samples_.at(row.sample, x1));
+  for (const SurfaceRow& row : stage.rows) {
+    const bool moved = &stage == &drift_ && own(row);
+    places_.push_back(moved ? Vec3(tangent_of(row).flown + free_rows_.motion_of_solid(row)) : begin_of(row, x1));
+  }
 }
 
 /// Impulses of a stage with forces times per_force [N s]. Returns the work of the own motion of obstacles and pins [J].
@@ -294,6 +316,10 @@ double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, dou
   for (std::size_t t = 0; t < stage.rows.size(); ++t) {
     const int q = stage.rows[t].plane;
     const Vec3 impulse = per_force * stage.force(int(t));
+    if (own(stage.rows[t])) {
+      work += book_own(step, stage.rows[t], places_[t], impulse, exchange);
+      continue;
+    }
     taken.add(-impulse, places_[t] - end_[q].point);
     exchange.touch(obstacle_[q], stage.rows[t].sample, impulse);
     if (step.around.planes[obstacle_[q]].PlaneMotion::solid()) taken.press(end_[q].normal.dot(impulse), places_[t] - end_[q].point);
@@ -323,15 +349,16 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
   for (Candidate& candidate : close_.candidates) {
     const HalfSpace& plane = end_[candidate.row.plane];
     const bool turns = !plane.spin.isZero(0);
-    candidate.bound = plane.normal.dot(turns ? plane.material_velocity(samples_.at(candidate.row.sample, x1)) : plane.velocity);
+    candidate.bound = plane.normal.dot(turns ? plane.material_velocity(begin_of(candidate.row, x1)) : plane.velocity);
     fastest = std::max(fastest, std::abs(candidate.bound));
+    if (own(candidate.row)) fastest = std::max(fastest, tangent_of(candidate.row).velocity.norm());
   }
-  for (std::size_t q = 0; q < end_.size(); ++q) close_.gaps[q].find(samples_, v, end_[q].normal, 0);
+  find_speeds(v);
   load(rows.close, rows.close_friction, close_);
   const auto slip_of = [&](const SurfaceRow& row) {
     const HalfSpace& plane = end_[row.plane];
     const bool turns = !plane.spin.isZero(0);
-    return Vec3(samples_.at(row.sample, v) - (turns ? plane.material_velocity(samples_.at(row.sample, x1)) : plane.velocity));
+    return Vec3(velocity_of(row, v) - (turns ? plane.material_velocity(begin_of(row, x1)) : plane.velocity));
   };
   slack_ = row_slack * fastest;
   return close_.solve(slack_, std::ref(slip_of));

@@ -38,6 +38,8 @@ class SurfaceContact {
   /// Moves the body out of planes at a communication point; velocities stay. As a whole where nothing is pinned and that does; the rest is
   /// pushed in. Sets `moved` if there was any.
   StepStatus clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved);
+  /// The same of free obstacles, out of others.
+  StepStatus clear_free_jumps(const Drive& around, double time, std::vector<FreeState>& free, bool& moved);
   /// Samples on each plane, counted.
   void count(const Drive& around, double time, const Points& x, std::vector<Count>& contacts);
 
@@ -78,15 +80,21 @@ class SurfaceContact {
  private:
   using Slip = std::function<Vec3(const SurfaceRow&)>;
   /// By which the state knows a row.
-  Count number(const SurfaceRow& row) const { return Count(obstacle_[row.plane]) * samples_.count() + row.sample; }
-  SurfaceRow row_of(Count number) const { return {int(number / samples_.count()), int(number % samples_.count())}; }
+  /// In the order of the rows: solids' own samples come last.
+  Count number(const SurfaceRow& row) const {
+    return Count(obstacle_[row.plane] + (samples_.of_object(row.sample) ? 0 : still_.size())) * samples_.all() + row.sample;
+  }
+  /// Its plane as an obstacle; that of a solid's own sample is none.
+  SurfaceRow row_of(Count number) const { return {int(number / samples_.all()), int(number % samples_.all())}; }
   void load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const;
   void save(const SurfaceStage& stage, std::vector<Count>& numbers, Points& friction) const;
   void set_planes();
   void set_free(const Drive& around, const std::vector<FreeState>& free, const Points& x);
   void give_free(const SurfaceStage& stage, const Drive& around, double rate, bool move, std::vector<FreeState>& free) const;
   bool lift_tangents(const StepView& step, const Points& x1, const std::vector<FreeState>& free);
+  bool lift(const StepView& step, int i, const std::vector<FreeState>& moved, double slack);
   double obstacles_way(const Drive& around) const;
+  double book_own(const StepView& step, const SurfaceRow& row, const Vec3& place, const Vec3& impulse, Exchange& exchange);
   void book_free(const StepView& step, const std::vector<FreeState>& free, Exchange& exchange) const;
   void move_planes(const StepView& step);
   bool find_heights(const Points& x1);
@@ -100,6 +108,16 @@ class SurfaceContact {
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
   bool gains(const StepView& step, const Points& x1) const;
   void find_places(const SurfaceStage& stage, const Points& x1);
+  /// Is it a row of a solid's own sample?
+  bool own(const SurfaceRow& row) const { return row.plane >= flat_ && solid_[row.plane] >= 0; }
+  const Tangent& tangent_of(const SurfaceRow& row) const { return tangents_.found()[row.plane - flat_]; }
+  /// Of the sample of a row: at the end of the step that x belongs to, or at its end without contact.
+  Vec3 begin_of(const SurfaceRow& row, const Points& x0) const { return own(row) ? tangent_of(row).place : samples_.at(row.sample, x0); }
+  Vec3 flown_of(const SurfaceRow& row, const Points& x1) const { return own(row) ? tangent_of(row).flown : samples_.at(row.sample, x1); }
+  Vec3 velocity_of(const SurfaceRow& row, const Points& v) const {
+    return own(row) ? tangent_of(row).velocity : samples_.at(row.sample, v);
+  }
+  void find_speeds(const Points& v, int but = -1);
   double book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
   double give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
   // surface_hold.cpp
@@ -116,7 +134,7 @@ class SurfaceContact {
   void know(const Drive& around, double time);
   StepStatus pressed_solids(const StepView& step, const SurfaceStage& stage) const;
   void resize(std::size_t planes);
-  void find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way);
+  void find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way, bool own = true);
   void turn_tangents(const StepView& step, const Points& x1);
   // surface_jumps.cpp
   bool gaps_at(const Drive& around, double time, const Points& x, double way, double& deepest);
@@ -131,6 +149,8 @@ class SurfaceContact {
   int flat_ = 0;               ///< number of half-spaces, which come first; then planes of the tangents, one each
   std::vector<int> obstacle_;  ///< whose plane it is
   std::vector<int> alone_;     ///< of a tangent its sample; -1
+  std::vector<int> solid_;     ///< whose own that is; -1
+  std::vector<Vec3> own_;      ///< places of those
   SurfaceStage drift_, close_;
   FreeRows free_rows_;
   std::vector<FreeState> free_start_;            ///< at the start of the step

@@ -9,7 +9,7 @@ namespace softffd {
 void SurfaceContact::set_free(const Drive& around, const std::vector<FreeState>& free, const Points& x) {
   if (around.free.empty()) return;
   free_rows_.set_bodies(around, free, x, 1, true);
-  free_rows_.set_planes(obstacle_);
+  free_rows_.set_planes(obstacle_, solid_, own_);
   for (SurfaceStage* stage : {&drift_, &close_}) stage->set_free(&free_rows_);
 }
 
@@ -65,6 +65,10 @@ bool SurfaceContact::lift_tangents(const StepView& step, const Points& x1, const
   for (std::size_t i = 0; i < tangents_.found().size(); ++i) {
     const Tangent& found = tangents_.found()[i];
     const Plane& solid = step.around.planes[found.obstacle];
+    if (found.solid >= 0) {
+      lifted = lift(step, int(i), moved, slack) || lifted;
+      continue;
+    }
     if (!solid.own) continue;
     const FreeMotion& own = *solid.own;
     const double turn = free_rows_.twists()[own.index()].turn.norm(), size = solid.size();
@@ -79,6 +83,32 @@ bool SurfaceContact::lift_tangents(const StepView& step, const Points& x1, const
     lifted = true;
   }
   return lifted;
+}
+
+/// The same of a solid's own sample, with free bodies in these states.
+bool SurfaceContact::lift(const StepView& step, int i, const std::vector<FreeState>& moved, double slack) {
+  const Tangent& found = tangents_.found()[i];
+  const auto pose = [&](int q) {
+    const Plane& plane = step.around.planes[q];
+    return plane.own ? plane.pose_of(moved[plane.own->index()]) : plane.pose_at(step.t1);
+  };
+  const double gap = tangents_.gap_of(step.around, found, pose(found.solid), pose(found.obstacle));
+  if (gap >= -slack) return false;
+  end_[flat_ + i].offset -= gap;
+  return true;
+}
+
+/// Impulse on a solid's own sample by its obstacle [N s]: the free one of them is pushed, the other takes it. Returns the work of that
+/// one's own motion on the free one [J].
+double SurfaceContact::book_own(const StepView& step, const SurfaceRow& row, const Vec3& place, const Vec3& impulse, Exchange& exchange) {
+  const bool free = step.around.planes[solid_[row.plane]].own;
+  const int other = free ? obstacle_[row.plane] : solid_[row.plane];
+  const SolidPose pose = step.around.planes[other].pose_at(step.t1);
+  const Vec3 given = free ? impulse : Vec3(-impulse);  // to the free one
+  Impulse& taken = exchange.planes[other];
+  taken.add(-given, place - pose.point);
+  if (step.around.planes[other].PlaneMotion::solid()) taken.press(end_[row.plane].normal.dot(impulse), place - pose.point);
+  return given.dot(pose.material_velocity(place));
 }
 
 /// Pins take what obstacles give the points that they hold: of each sample the share that its weights give these. Returns

@@ -105,12 +105,13 @@ bool SurfaceContact::hold_free_drift(const StepView& step, const Points& x1, con
 
 bool SurfaceContact::hold_free_close(const StepView& step, const Points& v) {
   const std::vector<SurfaceRow>& rows = close_.rows;
-  if (rows.empty() || std::ranges::any_of(rows, [&](const SurfaceRow& row) { return row.plane < flat_ || !(friction_[row.plane] > 0); }))
+  if (rows.empty() ||
+      std::ranges::any_of(rows, [&](const SurfaceRow& row) { return row.plane < flat_ || own(row) || !(friction_[row.plane] > 0); }))
     return false;
   double fastest = largest_speed(v);
   std::vector<double> bounds;
-  for (std::size_t q = 0; q < end_.size(); ++q) close_.gaps[q].find(samples_, v, end_[q].normal, 0);
-  const auto material = [&](const SurfaceRow& row) { return end_[row.plane].material_velocity(samples_.at(row.sample, step.x0)); };
+  find_speeds(v);
+  const auto material = [&](const SurfaceRow& row) { return end_[row.plane].material_velocity(begin_of(row, step.x0)); };
   away_.clear();
   for (const SurfaceRow& row : rows) away_.push_back(samples_.at(row.sample, v) - material(row));
   for (const Candidate& each : touching_) {
@@ -167,8 +168,7 @@ bool SurfaceContact::hold_close(const StepView& step, const Points& v, const std
   if (!places_known_) at_hand_.at(step.x0, places_);
   at_hand_.at(v, begin_);
   double fastest = std::sqrt(kernels::speeds(step.body.points(), plane.normal.data(), v.data(), close_.gaps[own].of_points.data()));
-  for (int q = 0; q < int(end_.size()); ++q)
-    if (q != own) close_.gaps[q].find(samples_, v, end_[q].normal, 0);
+  find_speeds(v, own);
   away_.resize(rows.size());
   bounds_.resize(rows.size());
   for (std::size_t t = 0; t < rows.size(); ++t) {

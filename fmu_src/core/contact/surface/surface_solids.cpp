@@ -52,13 +52,16 @@ void SurfaceContact::resize(std::size_t planes) {
   friction_.resize(planes);
   obstacle_.resize(planes);
   alone_.resize(planes);
+  solid_.resize(planes, -1);
+  own_.resize(planes, Vec3::Zero());
 }
 
 /// The tangents of what can come to a solid from t0 to t1, if no point moves further than this [m].
-void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way) {
+void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way, bool own) {
   std::vector<std::pair<Count, Candidate>> lasting;
   for (const Candidate& candidate : lasting_) lasting.push_back({number(candidate.row), candidate});
   tangents_.find(around, t0, t1, x0, way);
+  if (!own) tangents_.forget_own();
   resize(flat_ + tangents_.found().size());
   found_ += double(tangents_.found().size()) * tangent_work;
   int q = flat_;
@@ -66,15 +69,18 @@ void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, co
     start_[q] = each.start;
     middle_[q] = each.middle;
     end_[q] = each.end;
-    friction_[q] = around.planes[each.obstacle].friction;
+    friction_[q] = each.friction;
     alone_[q] = each.sample;
+    solid_[q] = each.solid;
+    own_[q] = each.place;
     obstacle_[q++] = each.obstacle;
   }
   set_planes();
   lasting_.clear();
   for (auto& [known, candidate] : lasting) {
     if (candidate.row.plane >= flat_) {
-      const int at = tangents_.index(int(known / samples_.count()), candidate.row.sample);
+      const auto [at_obstacle, sample] = row_of(known);
+      const int at = tangents_.index(at_obstacle % int(still_.size()), sample);
       if (at < 0) continue;
       candidate.row.plane = flat_ + at;
     }
@@ -85,9 +91,12 @@ void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, co
 /// Tangents at the end of the drift in the place of those at its start: half of an impulse has the direction of either, which is second
 /// order.
 void SurfaceContact::turn_tangents(const StepView& step, const Points& x1) {
+  tangents_.renew_own(step.around, step.t1);
   for (std::size_t i = 0; i < tangents_.found().size(); ++i) {
-    const Plane& solid = step.around.planes[tangents_.found()[i].obstacle];
-    end_[flat_ + i] = tangent(solid, solid.pose_at(step.t1), samples_.at(tangents_.found()[i].sample, x1));
+    const Tangent& each = tangents_.found()[i];
+    const Plane& solid = step.around.planes[each.obstacle];
+    end_[flat_ + i] = each.solid < 0 ? tangent(solid, solid.pose_at(step.t1), samples_.at(each.sample, x1)) : each.start;
+    own_[flat_ + i] = each.place;
   }
   set_planes();
 }

@@ -18,6 +18,9 @@ constexpr double far_reach = 16, nearest_reserve = 1e-2;
 /// down.
 constexpr double free_edge = 5e-3;
 
+/// Cosine of the angle between a guide and a normal below which an obstacle cannot stop what goes along the guide.
+constexpr double along_guide = 1e-6;
+
 HalfSpace half_space(const HalfSpace& pose, const Vec3& normal, double beyond) {
   return {pose.point, normal, normal.dot(pose.point) + beyond, pose.velocity, pose.spin};
 }
@@ -38,6 +41,7 @@ HalfSpace tangent_of_box(const Vec3& sides, double edge, const SolidPose& pose, 
 
 /// The tangent of a sample at this place of the start, taken along with the solid to another pose.
 HalfSpace carried(const Plane& solid, const SolidPose& start, const HalfSpace& here, const Vec3& place, const SolidPose& pose) {
+  if (!solid.solid()) return pose;
   if (!solid.box()) return tangent(solid, pose, pose.point + swung(start.normal, pose.normal, place - start.point));
   return half_space(pose, pose.edges * (start.edges.transpose() * here.normal), here.offset - here.normal.dot(start.point));
 }
@@ -78,6 +82,10 @@ HalfSpace facing_half_space(const Plane& obstacle, double time, const Vec3& x) {
   return obstacle.solid() ? tangent(obstacle, obstacle.pose_at(time), x) : obstacle.at(time);
 }
 
+HalfSpace facing_half_space(const Plane& obstacle, const SolidPose& pose, const Vec3& x) {
+  return obstacle.solid() ? tangent(obstacle, pose, x) : HalfSpace(pose);
+}
+
 double gap_between(const Plane& solid, const SolidPose& pose, const Points& x) {
   const HalfSpace between = tangent(solid, pose, x.colwise().mean().matrix().transpose());
   double least = std::numeric_limits<double>::infinity();
@@ -111,14 +119,90 @@ void Tangents::find(const Drive& around, double t0, double t1, const Points& x0,
       if (gap > reach) continue;
       const auto later = [&](const SolidPose& pose) { return carried(solid, start, here, place, pose); };
       const bool rests = solid.at_rest() || t0 == t1;
-      found_.push_back({int(q), s, here, rests ? here : later(middle), rests ? here : later(end)});
+      found_.push_back({int(q), s, here, rests ? here : later(middle), rests ? here : later(end), solid.friction});
     }
+  }
+  if (samples_.all() > samples_.count()) find_between(around, t0, t1, way);
+}
+
+/// Of free obstacles and the others.
+void Tangents::find_between(const Drive& around, double t0, double t1, double way) {
+  const std::size_t objects = found_.size();
+  const std::vector<Plane>& planes = around.planes;
+  for (const FreeMotion& each : around.free) {
+    const int own = each.body().plane;
+    if (own < 0) continue;
+    const SolidPose pose = planes[own].pose_at(t0);
+    const double size = planes[own].size(), fast = way_between(planes[own], t0, t1, size).speed;
+    for (int other = 0; other < int(planes.size()); ++other) {
+      if (planes[other].own) continue;
+      const HalfSpace facing = facing_half_space(planes[other], t0, pose.point);
+      const double arm = (pose.point - facing.point).norm() + size;
+      const double reach = way + (t1 - t0) * (fast + way_between(planes[other], t0, t1, arm).speed) + touching * length_;
+      if (facing.gap(pose.point) - size > reach) continue;
+      const auto sphere = [&](int q) { return planes[q].solid() && samples_of(planes[q]) == 1; };
+      const bool flat = !planes[other].solid();
+      if (sphere(own) || !sphere(other)) meet(around, t0, t1, reach, own, other);
+      if (!flat && !sphere(own)) meet(around, t0, t1, reach, other, own);
+    }
+  }
+  std::sort(found_.begin() + objects, found_.end(),
+            [](const Tangent& a, const Tangent& b) { return std::pair(a.obstacle, a.sample) < std::pair(b.obstacle, b.sample); });
+}
+
+void Tangents::find_own(const Drive& around, double time) {
+  found_.clear();
+  if (samples_.all() > samples_.count()) find_between(around, time, time, 0);
+}
+
+void Tangents::forget_own() {
+  std::erase_if(found_, [](const Tangent& each) { return each.solid >= 0; });
+}
+
+/// One is free; a guide takes what is across it.
+void Tangents::meet(const Drive& around, double t0, double t1, double reach, int solid, int obstacle) {
+  const FreeMotion& own = around.planes[solid].own ? *around.planes[solid].own : *around.planes[obstacle].own;
+  for (int n = 0; n < samples_of(around.planes[solid]); ++n) {
+    const std::optional<Tangent> met = meeting(around, t0, t1, solid, n, obstacle);
+    if (!met || met->start.gap(met->place) > reach) continue;
+    if (own.body().guided() && std::abs(own.body().guide.dot(met->start.normal)) <= along_guide) continue;
+    found_.push_back(*met);
   }
 }
 
+std::optional<Tangent> Tangents::meeting(const Drive& around, double t0, double t1, int solid, int n, int obstacle) const {
+  const Plane &own = around.planes[solid], &other = around.planes[obstacle];
+  const SolidPose start = own.pose_at(t0), end = own.pose_at(t1), before = other.pose_at(t0);
+  const std::optional<Vec3> place = sample_of(own, start, n, other, before);
+  if (!place) return {};
+  const Vec3 facing = samples_of(own) == 1 ? start.point : *place;
+  const HalfSpace here = facing_half_space(other, before, facing);
+  const auto later = [&](double time) { return carried(other, before, here, facing, other.pose_at(time)); };
+  Tangent met{obstacle, samples_.count() + most_of_solid * solid + n, here, later(0.5 * (t0 + t1)), later(t1), 0, solid};
+  const Plane& free = own.own ? own : other;
+  met.friction = free.own->body().guided() ? 0 : (own.own ? other : own).friction;
+  met.place = *place;
+  met.velocity = start.material_velocity(*place);
+  met.flown = taken_along(own, start, *place, end);
+  met.nearest = sample_of(own, end, n, other, other.pose_at(t1)).value_or(met.flown);
+  return met;
+}
+
+void Tangents::renew_own(const Drive& around, double time) {
+  for (Tangent& each : found_)
+    if (each.solid >= 0) each = meeting(around, time, time, each.solid, number_of(each), each.obstacle).value_or(each);
+}
+
+double Tangents::gap_of(const Drive& around, const Tangent& own, const SolidPose& of_solid, const SolidPose& of_obstacle) const {
+  const Plane &solid = around.planes[own.solid], &obstacle = around.planes[own.obstacle];
+  const Vec3 nearest = sample_of(solid, of_solid, number_of(own), obstacle, of_obstacle).value_or(own.nearest);
+  return facing_half_space(obstacle, of_obstacle, samples_of(solid) == 1 ? of_solid.point : nearest).gap(nearest);
+}
+
 int Tangents::index(int obstacle, int sample) const {
-  const auto at = std::ranges::lower_bound(found_, std::pair(obstacle, sample), {},
-                                           [](const Tangent& each) { return std::pair(each.obstacle, each.sample); });
+  const auto key = [&](int obstacle, int sample) { return std::tuple(!samples_.of_object(sample), obstacle, sample); };
+  const auto at =
+      std::ranges::lower_bound(found_, key(obstacle, sample), {}, [&](const Tangent& each) { return key(each.obstacle, each.sample); });
   return at != found_.end() && at->obstacle == obstacle && at->sample == sample ? int(at - found_.begin()) : -1;
 }
 

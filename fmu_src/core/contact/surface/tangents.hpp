@@ -12,7 +12,7 @@
 #pragma once
 #include <vector>
 
-#include "model/drive.hpp"
+#include "contact/surface/solid_samples.hpp"
 #include "model/samples.hpp"
 
 namespace softffd {
@@ -25,10 +25,17 @@ double gap_between(const Plane& solid, const SolidPose& pose, const Points& x);
 
 /// The half-space of an obstacle, be it a solid or not, that faces x.
 HalfSpace facing_half_space(const Plane& obstacle, double time, const Vec3& x);
+HalfSpace facing_half_space(const Plane& obstacle, const SolidPose& pose, const Vec3& x);
 
 struct Tangent {
   int obstacle, sample;
   HalfSpace start, middle, end;  ///< of the step
+  double friction;               ///< coefficient
+  // where the sample is a solid's own:
+  int solid = -1;            ///< whose; -1: it is the object's
+  Vec3 place{}, velocity{};  ///< at the start
+  Vec3 flown{};              ///< the same material at the end, without contact
+  Vec3 nearest{};            ///< the sample there; not the same material where the solid rolls
 };
 
 class Tangents {
@@ -36,12 +43,21 @@ class Tangents {
   Tangents(const Samples& samples, double length) : samples_(samples), length_(length) {}
 
   /// Of the samples that can come to a solid between t0 and t1, where no control point moves by more than `way` [m]; by obstacle and
-  /// sample. x0: control points at t0.
+  /// sample; solids' own ones last. x0: control points at t0.
   void find(const Drive& around, double t0, double t1, const Points& x0, double way);
+  /// Those of solids' own samples alone, at a time.
+  void find_own(const Drive& around, double time);
+  void forget_own();
   void forget() { found_.clear(); }
   const std::vector<Tangent>& found() const { return found_; }
   /// Where among them that of this sample at this obstacle is; -1: there is none.
   int index(int obstacle, int sample) const;
+  /// Number of the solid's own sample in all of its samples.
+  int number_of(const Tangent& own) const { return own.sample - samples_.count() - most_of_solid * own.solid; }
+  /// Those of solids' own samples are from now on where the obstacles are at a time.
+  void renew_own(const Drive& around, double time);
+  /// The gap of a solid's own sample, with obstacles in these poses.
+  double gap_of(const Drive& around, const Tangent& own, const SolidPose& of_solid, const SolidPose& of_obstacle) const;
   /// By which any sample can have moved [m].
   double way(const Points& from, const Points& to);
   /// Are the tangents those of such a way too?
@@ -56,6 +72,9 @@ class Tangents {
     Points x;
     SolidPose pose;
   };
+  void find_between(const Drive& around, double t0, double t1, double way);
+  void meet(const Drive& around, double t0, double t1, double reach, int solid, int obstacle);
+  std::optional<Tangent> meeting(const Drive& around, double t0, double t1, int solid, int n, int obstacle) const;
   double way_since(const Known& known, const Points& x, const SolidPose& pose, const Plane& solid);
   void list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known);
 

@@ -1,0 +1,126 @@
+#include "contact/surface/solid_samples.hpp"
+
+#include <algorithm>
+
+#include "contact/surface/tangents.hpp"
+
+namespace softffd {
+
+namespace {
+
+constexpr int corners = 8, edges = 12, on_rim = 8;
+/// Part of a unit normal across an axis below which no point of a rim is lower than the others [1].
+constexpr double level = 1e-9;
+/// Cosine of an eighth of a turn.
+constexpr double half_root = 0.70710678118654752440;
+constexpr double cosines[on_rim] = {1, half_root, 0, -half_root, -1, -half_root, 0, half_root};
+/// By which the ends of what lies over a face are within it, in the length of the edge [1].
+constexpr double within = 1e-6;
+
+struct Segment {
+  Vec3 from, to;
+  Vec3 at(double share) const { return from + share * (to - from); }
+};
+/// Shares of a segment, from and to.
+struct Part {
+  double begin = 0, end = 1;
+  void cut(double at, double slope, double most) {  // |at + share slope| <= most
+    if (slope == 0) {
+      if (std::abs(at) > most) end = -1;
+      return;
+    }
+    const double one = (-most - at) / slope, other = (most - at) / slope;
+    begin = std::max(begin, std::min(one, other));
+    end = std::min(end, std::max(one, other));
+  }
+};
+
+Vec3 corner(const PlaneMotion& box, const SolidPose& pose, int n) {
+  const Vec3 side(n & 1 ? 0.5 : -0.5, n & 2 ? 0.5 : -0.5, n & 4 ? 0.5 : -0.5);
+  return pose.point + pose.edges * side.cwiseProduct(box.sides);
+}
+
+/// Edge e, along axis e / 4.
+Segment edge(const PlaneMotion& box, const SolidPose& pose, int e) {
+  const int axis = e / 4, one = (axis + 1) % 3, other = (axis + 2) % 3;
+  const int from = (e & 1) << one | (e >> 1 & 1) << other;
+  return {corner(box, pose, from), corner(box, pose, from | 1 << axis)};
+}
+
+/// Over the face of a box that the segment is furthest in front of.
+Part over_box(const PlaneMotion& box, const SolidPose& pose, const Segment& segment) {
+  const Vec3 half = 0.5 * box.sides, from = pose.edges.transpose() * (segment.from - pose.point);
+  const Vec3 to = pose.edges.transpose() * (segment.to - pose.point), slope = to - from;
+  int face;
+  (from.cwiseMin(to).cwiseMax(-from.cwiseMax(to)) - half).maxCoeff(&face);
+  Part part;
+  for (int axis = 0; axis < 3; ++axis)
+    if (axis != face) part.cut(from[axis], slope[axis], half[axis]);
+  return part;
+}
+
+/// Over an end of a cylinder, or where it is nearest to the axis.
+Part over_cylinder(const PlaneMotion& cylinder, const SolidPose& pose, const Segment& segment) {
+  const Vec3 arm = segment.from - pose.point, way = segment.to - segment.from;
+  const double height = pose.normal.dot(arm), rise = pose.normal.dot(way), half = 0.5 * cylinder.length;
+  const Vec3 out = tangential(pose.normal, arm), slope = tangential(pose.normal, way);
+  const double square = slope.squaredNorm(), nearest = square > 0 ? std::clamp(-out.dot(slope) / square, 0.0, 1.0) : 0;
+  const double apart = (out + nearest * slope).norm();
+  if (std::max(std::min(height, height + rise), std::min(-height, -height - rise)) - half < apart - cylinder.radius) {
+    Part part;
+    part.cut(height, rise, half);
+    if (part.begin < part.end) part.begin = part.end = std::clamp(nearest, part.begin, part.end);
+    return part;
+  }
+  Part part;
+  if (apart >= cylinder.radius || square == 0) return {1, 0};
+  const double middle = -out.dot(slope) / square, least = (out + middle * slope).squaredNorm();
+  part.cut(-middle, 1, std::sqrt((cylinder.radius * cylinder.radius - least) / square));
+  return part;
+}
+
+/// End n of what lies over the other obstacle of a segment; none where that is the segment's own end.
+std::optional<Vec3> end_over(const Segment& segment, int n, const Plane& other, const SolidPose& its_pose) {
+  if (!other.solid() || samples_of(other) == 1) return {};
+  const Part part = other.box() ? over_box(other, its_pose, segment) : over_cylinder(other, its_pose, segment);
+  if (part.begin > part.end) return {};
+  const double share = n == 0 ? part.begin + within : part.end - within;
+  if (share < 2 * within || share > 1 - 2 * within || (n == 1 && part.end - part.begin < 4 * within)) return {};
+  return segment.at(share);
+}
+
+}  // namespace
+
+int samples_of(const PlaneMotion& solid) {
+  if (solid.box()) return corners + 2 * edges;
+  return solid.length > 0 ? 2 * on_rim + 2 : 1;
+}
+
+std::optional<Vec3> sample_of(const PlaneMotion& solid, const SolidPose& pose, int n, const Plane& other, const SolidPose& its_pose) {
+  if (solid.box()) {
+    if (n < corners) return corner(solid, pose, n);
+    return end_over(edge(solid, pose, (n - corners) / 2), (n - corners) % 2, other, its_pose);
+  }
+  const Vec3 normal = facing_half_space(other, its_pose, pose.point).normal;
+  if (solid.length == 0) return pose.point - solid.radius * normal;
+  const Vec3& axis = pose.normal;
+  Vec3 lowest = -tangential(axis, normal);
+  const double size = lowest.norm();
+  lowest = size > level ? Vec3(lowest / size) : axis.unitOrthogonal();
+  const Vec3 half = 0.5 * solid.length * axis;
+  if (n >= 2 * on_rim) {
+    const Vec3 line = pose.point + solid.radius * lowest;
+    return end_over({line - half, line + half}, n - 2 * on_rim, other, its_pose);
+  }
+  const int k = n % on_rim;
+  const Vec3 out = cosines[k] * lowest + cosines[(k + 6) % on_rim] * axis.cross(lowest);
+  return pose.point + (n < on_rim ? Vec3(-half) : half) + solid.radius * out;
+}
+
+Vec3 taken_along(const Plane& solid, const SolidPose& from, const Vec3& place, const SolidPose& to) {
+  const Vec3 arm = place - from.point;
+  if (solid.box() || solid.own) return to.point + to.edges * (from.edges.transpose() * arm);
+  return to.point + swung(from.normal, to.normal, arm);
+}
+
+}  // namespace softffd

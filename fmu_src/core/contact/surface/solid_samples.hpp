@@ -1,0 +1,27 @@
+/// Samples of solids' own, by which a free obstacle meets those that are fixed or led:
+///
+///      of a sphere      the one point that is nearest to what it meets
+///      of a cylinder    eight points on each rim, spread evenly from the lowest over the tangent, so that it rolls; and of its lowest line
+///                       what lies over the other's face, from end to end
+///      of a box         its corners; and of each edge what lies over the other's face, from end to end
+///
+/// A sample stands before the tangent of the other obstacle, as one of the object's surface does (tangents.hpp). Of two boxes or cylinders
+/// each has its samples before the other.
+#pragma once
+#include <optional>
+
+#include "model/drive.hpp"
+
+namespace softffd {
+
+/// Samples that a solid may have; each has this many numbers.
+constexpr int most_of_solid = 32;
+
+/// Number of samples of a solid.
+int samples_of(const PlaneMotion& solid);
+/// Sample n of a solid in this pose, where it meets another obstacle; none where nothing of the edge lies over it.
+std::optional<Vec3> sample_of(const PlaneMotion& solid, const SolidPose& pose, int n, const Plane& other, const SolidPose& its_pose);
+/// Where material of a solid that was at this place in one pose is in another.
+Vec3 taken_along(const Plane& solid, const SolidPose& from, const Vec3& place, const SolidPose& to);
+
+}  // namespace softffd
