@@ -76,7 +76,8 @@ Body make_body(const Definition& definition) {
   body.explicit_alone = !LatticeMatrix::exists(definition.lattice);
   body.length = definition.lattice.largest_side();
   body.samples = definition.samples;
-  if (body.samples && std::ranges::any_of(definition.free, [](const FreeBody& each) { return each.plane >= 0; })) {
+  const auto free = std::ranges::count_if(definition.free, [](const FreeBody& each) { return each.plane >= 0; });
+  if (body.samples && free > 0 && free < definition.planes) {  // which meet the other obstacles
     auto samples = std::make_shared<Samples>(*body.samples);
     samples->add_idle(most_of_solid * definition.planes);
     body.samples = samples;

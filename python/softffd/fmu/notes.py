@@ -170,8 +170,6 @@ def samples_note(samples: Samples | None) -> str | None:
 
 
 def free_note(scene: Scene) -> str | None:
-    """That free obstacles meet the object alone, where there are others."""
+    """That free obstacles do not meet each other, where there are several."""
     free = [str(solid.part) for solid in scene.solids if solid.motion == "free"]
-    if not free or len(scene.obstacles) == 1:
-        return None
-    return f"free obstacles meet the object alone, and pass through other obstacles: {', '.join(free)}"
+    return f"free obstacles do not meet each other: {', '.join(free)}" if len(free) > 1 else None

@@ -164,20 +164,26 @@ Vec3 SurfaceTouches::material_of(const SurfaceRow& row, const Points& x) const {
   return taken_along(solid, start, tangent_of(row.plane).place, poses_[solid_[row.plane]]);
 }
 
-/// Where the sample is then.
-Vec3 SurfaceTouches::nearest_of(const SurfaceRow& row, const Points& x) const {
-  if (!own(row)) return samples_.at(row.sample, x);
+/// Where the sample is then, and from where its tangent is looked for.
+SolidSample SurfaceTouches::sample_of_row(const SurfaceRow& row, const Points& x) const {
+  if (!own(row)) {
+    const Vec3 place = samples_.at(row.sample, x);
+    return {place, place};
+  }
   const int solid = solid_[row.plane];
   const Tangent& found = tangent_of(row.plane);
   const std::vector<Plane>& planes = step_->equations.around.planes;
-  const std::optional<Vec3> sample =
+  const std::optional<SolidSample> sample =
       sample_of(planes[solid], poses_[solid], tangents_.number_of(found), planes[found.obstacle], poses_[found.obstacle]);
-  return sample ? *sample : material_of(row, x);
+  if (sample) return *sample;
+  const Vec3 place = material_of(row, x);
+  return {place, place};
 }
 
-/// By which free obstacles go at the forces at hand [m].
+/// By which free obstacles that may meet others go at the forces at hand [m].
 double SurfaceTouches::way_of_free() const {
   double most = 0;
+  if (samples_.all() == samples_.count()) return most;
   for (const FreeMotion& each : step_->equations.around.free) {
     if (each.body().plane < 0) continue;
     const FreeState &from = step_->from.free[each.index()], &end = free_bodies_[each.index()];
@@ -203,8 +209,9 @@ void SurfaceTouches::turn_tangents(const StepProblem& problem) {
   const std::vector<Vec3> before = normals_;
   for (int q = flat_; q < int(planes_.size()); ++q) {
     const SurfaceRow row{q, tangent_of(q).sample};
-    planes_[q] = tangent_at(q, nearest_of(row, problem.x));
-    own_[q] = nearest_of(row, problem.x);
+    const SolidSample sample = sample_of_row(row, problem.x);
+    own_[q] = sample.place;
+    planes_[q] = tangent_at(q, sample.facing);
   }
   set_normals();
   for (Force& each : forces_)
@@ -215,7 +222,7 @@ void SurfaceTouches::turn_tangents(const StepProblem& problem) {
 bool SurfaceTouches::tangents_stand(const StepProblem& problem) const {
   return std::ranges::all_of(forces_, [&](const Force& each) {
     if (each.row.plane < flat_) return true;
-    Vec3 place = nearest_of(each.row, problem.x) + samples_.at(each.row.sample, move_);
+    Vec3 place = sample_of_row(each.row, problem.x).facing + samples_.at(each.row.sample, move_);
     if (free_rows_.any()) place += free_rows_.parting(each.row);
     return (tangent_at(each.row.plane, place).normal - normals_[each.row.plane]).norm() <= most_turn;
   });
@@ -225,15 +232,14 @@ StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
   solution_.fresh = solution_.settled = false;
   const bool solids = flat_ < int(end_.size());
   if (!free_bodies_.empty()) place_free(problem.x);
-  if (solids && !covered_) find_tangents(2 * std::max(tangents_.way(problem.x0, problem.x), free_bodies_.empty() ? 0 : way_of_free()));
+  if (solids && !covered_) find_tangents(2 * std::max(tangents_.way(problem.x0, problem.x), way_of_free()));
   if (solids) turn_tangents(problem);
   if (!solve_free(problem)) return StepStatus::not_finite;
   before_ = forces_;
   if (const StepStatus status = find_forces(problem); status != StepStatus::ok) return status;
   std::erase_if(forces_, [](const Force& each) { return each.force.isZero(0); });
   if (solids) {
-    covered_ = tangents_.covers(tangents_.way(problem.x0, problem.x + move_)) &&
-               (samples_.all() == samples_.count() || tangents_.covers(way_of_free()));
+    covered_ = tangents_.covers(std::max(tangents_.way(problem.x0, problem.x + move_), way_of_free()));
     solution_.settled = solution_.settled && covered_ && tangents_stand(problem);
     for (const Twist& each : free_rows_.twists()) solution_.settled = solution_.settled && each.turn.norm() <= most_free_turn;
   }
@@ -380,7 +386,7 @@ Vec3 SurfaceTouches::place(const StepProblem& problem, const SurfaceRow& row) co
   Vec3 move = samples_.at(row.sample, move_);
   if (free_rows_.any()) move += free_rows_.parting(row);
   const Vec3 slip = u + move - problem.h * material_velocity(obstacle_[row.plane], begin + 0.5 * u);
-  return (plane.gap(nearest_of(row, problem.x)) + plane.normal.dot(move)) * plane.normal + tangential(plane.normal, slip);
+  return (plane.gap(sample_of_row(row, problem.x).place) + plane.normal.dot(move)) * plane.normal + tangential(plane.normal, slip);
 }
 
 /// With these forces in the place of those before.
@@ -411,7 +417,7 @@ void SurfaceTouches::find_heights(const StepProblem& problem) {
     const HalfSpace& plane = planes_[q];
     gap_functions_[q].sample = q < flat_ ? -1 : tangents_.found()[q - flat_].sample;
     if (const int s = gap_functions_[q].sample; s >= 0) {
-      gap_functions_[q].of_sample = plane.gap(nearest_of({q, s}, problem.x)) + plane.normal.dot(samples_.at(s, move_));
+      gap_functions_[q].of_sample = plane.gap(sample_of_row({q, s}, problem.x).place) + plane.normal.dot(samples_.at(s, move_));
       if (free_rows_.any()) gap_functions_[q].of_sample += plane.normal.dot(free_rows_.parting({q, s}));
       continue;
     }

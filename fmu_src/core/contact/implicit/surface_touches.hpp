@@ -68,7 +68,7 @@ class SurfaceTouches final : public ImplicitTouches {
   const Tangent& tangent_of(int plane) const { return tangents_.found()[plane - flat_]; }
   Vec3 begin_of(const SurfaceRow& row) const;
   Vec3 material_of(const SurfaceRow& row, const Points& x) const;
-  Vec3 nearest_of(const SurfaceRow& row, const Points& x) const;
+  SolidSample sample_of_row(const SurfaceRow& row, const Points& x) const;
   double way_of_free() const;
   void place_free(const Points& x);
   bool turns_free(const Points& x);

@@ -9,8 +9,8 @@ namespace softffd {
 namespace {
 
 constexpr int corners = 8, edges = 12, on_rim = 8;
-/// Part of a unit normal across an axis below which no point of a rim is lower than the others [1].
-constexpr double level = 1e-9;
+/// Tilt of a rim below which none of its points counts as lowest: noise would turn the samples round [rad].
+constexpr double level = 1e-5;
 /// Cosine of an eighth of a turn.
 constexpr double half_root = 0.70710678118654752440;
 constexpr double cosines[on_rim] = {1, half_root, 0, -half_root, -1, -half_root, 0, half_root};
@@ -21,9 +21,10 @@ struct Segment {
   Vec3 from, to;
   Vec3 at(double share) const { return from + share * (to - from); }
 };
-/// Shares of a segment, from and to.
+/// Shares of a segment, from and to; none of it where the one is beyond the other. out: of the face that it is over.
 struct Part {
   double begin = 0, end = 1;
+  Vec3 out = Vec3::Zero();
   void cut(double at, double slope, double most) {  // |at + share slope| <= most
     if (slope == 0) {
       if (std::abs(at) > most) end = -1;
@@ -53,7 +54,7 @@ Part over_box(const PlaneMotion& box, const SolidPose& pose, const Segment& segm
   const Vec3 to = pose.edges.transpose() * (segment.to - pose.point), slope = to - from;
   int face;
   (from.cwiseMin(to).cwiseMax(-from.cwiseMax(to)) - half).maxCoeff(&face);
-  Part part;
+  Part part{.out = from[face] + to[face] < 0 ? Vec3(-pose.edges.col(face)) : Vec3(pose.edges.col(face))};
   for (int axis = 0; axis < 3; ++axis)
     if (axis != face) part.cut(from[axis], slope[axis], half[axis]);
   return part;
@@ -65,28 +66,30 @@ Part over_cylinder(const PlaneMotion& cylinder, const SolidPose& pose, const Seg
   const double height = pose.normal.dot(arm), rise = pose.normal.dot(way), half = 0.5 * cylinder.length;
   const Vec3 out = tangential(pose.normal, arm), slope = tangential(pose.normal, way);
   const double square = slope.squaredNorm(), nearest = square > 0 ? std::clamp(-out.dot(slope) / square, 0.0, 1.0) : 0;
-  const double apart = (out + nearest * slope).norm();
+  const Vec3 closest = out + nearest * slope;
+  const double apart = closest.norm();
   if (std::max(std::min(height, height + rise), std::min(-height, -height - rise)) - half < apart - cylinder.radius) {
-    Part part;
+    Part part{.out = apart > 0 ? Vec3(closest / apart) : pose.normal.unitOrthogonal()};
     part.cut(height, rise, half);
     if (part.begin < part.end) part.begin = part.end = std::clamp(nearest, part.begin, part.end);
     return part;
   }
-  Part part;
-  if (apart >= cylinder.radius || square == 0) return {1, 0};
+  Part part{.out = 2 * height + rise < 0 ? Vec3(-pose.normal) : pose.normal};
+  if (apart >= cylinder.radius || square == 0) return {1, 0, part.out};
   const double middle = -out.dot(slope) / square, least = (out + middle * slope).squaredNorm();
   part.cut(-middle, 1, std::sqrt((cylinder.radius * cylinder.radius - least) / square));
   return part;
 }
 
 /// End n of what lies over the other obstacle of a segment; none where that is the segment's own end.
-std::optional<Vec3> end_over(const Segment& segment, int n, const Plane& other, const SolidPose& its_pose) {
-  if (!other.solid() || samples_of(other) == 1) return {};
+std::optional<SolidSample> end_over(const Segment& segment, int n, const Plane& other, const SolidPose& its_pose) {
+  if (!other.solid() || samples_of(other) == 1 || (other.own && other.box())) return {};
   const Part part = other.box() ? over_box(other, its_pose, segment) : over_cylinder(other, its_pose, segment);
   if (part.begin > part.end) return {};
   const double share = n == 0 ? part.begin + within : part.end - within;
   if (share < 2 * within || share > 1 - 2 * within || (n == 1 && part.end - part.begin < 4 * within)) return {};
-  return segment.at(share);
+  const Vec3 place = segment.at(share);
+  return SolidSample{place, place + (2 * other.size() + std::abs(part.out.dot(place - its_pose.point))) * part.out};
 }
 
 }  // namespace
@@ -96,13 +99,14 @@ int samples_of(const PlaneMotion& solid) {
   return solid.length > 0 ? 2 * on_rim + 2 : 1;
 }
 
-std::optional<Vec3> sample_of(const PlaneMotion& solid, const SolidPose& pose, int n, const Plane& other, const SolidPose& its_pose) {
+std::optional<SolidSample> sample_of(const PlaneMotion& solid, const SolidPose& pose, int n, const Plane& other,
+                                     const SolidPose& its_pose) {
   if (solid.box()) {
-    if (n < corners) return corner(solid, pose, n);
+    if (const Vec3 place = corner(solid, pose, n % corners); n < corners) return SolidSample{place, place};
     return end_over(edge(solid, pose, (n - corners) / 2), (n - corners) % 2, other, its_pose);
   }
   const Vec3 normal = facing_half_space(other, its_pose, pose.point).normal;
-  if (solid.length == 0) return pose.point - solid.radius * normal;
+  if (solid.length == 0) return SolidSample{pose.point - solid.radius * normal, pose.point};
   const Vec3& axis = pose.normal;
   Vec3 lowest = -tangential(axis, normal);
   const double size = lowest.norm();
@@ -114,7 +118,8 @@ std::optional<Vec3> sample_of(const PlaneMotion& solid, const SolidPose& pose, i
   }
   const int k = n % on_rim;
   const Vec3 out = cosines[k] * lowest + cosines[(k + 6) % on_rim] * axis.cross(lowest);
-  return pose.point + (n < on_rim ? Vec3(-half) : half) + solid.radius * out;
+  const Vec3 place = pose.point + (n < on_rim ? Vec3(-half) : half) + solid.radius * out;
+  return SolidSample{place, place};
 }
 
 Vec3 taken_along(const Plane& solid, const SolidPose& from, const Vec3& place, const SolidPose& to) {

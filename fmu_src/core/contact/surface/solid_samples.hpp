@@ -6,7 +6,8 @@
 ///      of a box         its corners; and of each edge what lies over the other's face, from end to end
 ///
 /// A sample stands before the tangent of the other obstacle, as one of the object's surface does (tangents.hpp). Of two boxes or cylinders
-/// each has its samples before the other.
+/// each has its samples before the other; where edges of two boxes cross, that of the free one alone, for its own are rounded as an
+/// obstacle.
 #pragma once
 #include <optional>
 
@@ -19,8 +20,12 @@ constexpr int most_of_solid = 32;
 
 /// Number of samples of a solid.
 int samples_of(const PlaneMotion& solid);
+struct SolidSample {
+  Vec3 place;
+  Vec3 facing;  ///< the point in front of the other obstacle whose tangent the sample stands before
+};
 /// Sample n of a solid in this pose, where it meets another obstacle; none where nothing of the edge lies over it.
-std::optional<Vec3> sample_of(const PlaneMotion& solid, const SolidPose& pose, int n, const Plane& other, const SolidPose& its_pose);
+std::optional<SolidSample> sample_of(const PlaneMotion& solid, const SolidPose& pose, int n, const Plane& other, const SolidPose& its_pose);
 /// Where material of a solid that was at this place in one pose is in another.
 Vec3 taken_along(const Plane& solid, const SolidPose& from, const Vec3& place, const SolidPose& to);
 

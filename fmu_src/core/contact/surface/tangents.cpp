@@ -173,18 +173,18 @@ void Tangents::meet(const Drive& around, double t0, double t1, double reach, int
 std::optional<Tangent> Tangents::meeting(const Drive& around, double t0, double t1, int solid, int n, int obstacle) const {
   const Plane &own = around.planes[solid], &other = around.planes[obstacle];
   const SolidPose start = own.pose_at(t0), end = own.pose_at(t1), before = other.pose_at(t0);
-  const std::optional<Vec3> place = sample_of(own, start, n, other, before);
-  if (!place) return {};
-  const Vec3 facing = samples_of(own) == 1 ? start.point : *place;
-  const HalfSpace here = facing_half_space(other, before, facing);
-  const auto later = [&](double time) { return carried(other, before, here, facing, other.pose_at(time)); };
+  const std::optional<SolidSample> sample = sample_of(own, start, n, other, before);
+  if (!sample) return {};
+  const Vec3& place = sample->place;
+  const HalfSpace here = facing_half_space(other, before, sample->facing);
+  const auto later = [&](double time) { return carried(other, before, here, sample->facing, other.pose_at(time)); };
   Tangent met{obstacle, samples_.count() + most_of_solid * solid + n, here, later(0.5 * (t0 + t1)), later(t1), 0, solid};
   const Plane& free = own.own ? own : other;
   met.friction = free.own->body().guided() ? 0 : (own.own ? other : own).friction;
-  met.place = *place;
-  met.velocity = start.material_velocity(*place);
-  met.flown = taken_along(own, start, *place, end);
-  met.nearest = sample_of(own, end, n, other, other.pose_at(t1)).value_or(met.flown);
+  met.place = place;
+  met.velocity = start.material_velocity(place);
+  met.flown = taken_along(own, start, place, end);
+  met.nearest = sample_of(own, end, n, other, other.pose_at(t1)).value_or(SolidSample{met.flown, met.flown}).place;
   return met;
 }
 
@@ -195,8 +195,9 @@ void Tangents::renew_own(const Drive& around, double time) {
 
 double Tangents::gap_of(const Drive& around, const Tangent& own, const SolidPose& of_solid, const SolidPose& of_obstacle) const {
   const Plane &solid = around.planes[own.solid], &obstacle = around.planes[own.obstacle];
-  const Vec3 nearest = sample_of(solid, of_solid, number_of(own), obstacle, of_obstacle).value_or(own.nearest);
-  return facing_half_space(obstacle, of_obstacle, samples_of(solid) == 1 ? of_solid.point : nearest).gap(nearest);
+  const SolidSample sample =
+      sample_of(solid, of_solid, number_of(own), obstacle, of_obstacle).value_or(SolidSample{own.nearest, own.nearest});
+  return facing_half_space(obstacle, of_obstacle, sample.facing).gap(sample.place);
 }
 
 int Tangents::index(int obstacle, int sample) const {
