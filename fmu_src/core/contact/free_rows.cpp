@@ -85,6 +85,11 @@ void FreeRows::find_twists(const std::vector<Handles>& handles, const std::vecto
     for (const Handle& each : handles[t]) add(each, forces[t]);
 }
 
+void FreeRows::set_given(const std::vector<Wrench>& given) {
+  given_ = given;
+  for (std::size_t k = 0; k < yields_.size(); ++k) twists_[k] = {yields_[k].mass * given[k].force, yields_[k].inertia * given[k].torque};
+}
+
 void FreeRows::add_force(const SurfaceRow& row, const Vec3& force) {
   for (const Handle& each : handles(row)) add(each, force);
 }

@@ -174,8 +174,8 @@ def test_a_foreign_host_runs_it(names, scene, tmp_path):
     assert rows[height] == pytest.approx(FAR + 3.0 * t + 0.5 * G[2] * t**2, abs=1e-9)
 
 
-def test_free_obstacles_meet_the_object_alone_which_the_build_says_once(scene, tmp_path):
+def test_free_obstacles_do_not_meet_each_other_which_the_build_says_once(scene, tmp_path):
     write_folder(scene, tmp_path)
     assert [note for note in read_notes(tmp_path / "resources") if "free" in note] == [
-        "free obstacles meet the object alone, and pass through other obstacles: sphere.ball, cylinder.sled, box.block"
+        "free obstacles do not meet each other: sphere.ball, cylinder.sled, box.block"
     ]

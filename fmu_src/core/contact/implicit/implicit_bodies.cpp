@@ -4,8 +4,16 @@
 #include "body/rigid_motion.hpp"
 #include "contact/implicit/implicit_stage.hpp"
 #include "contact/implicit/surface_touches.hpp"
+#include "contact/tolerances.hpp"
 
 namespace softffd {
+
+namespace {
+
+/// Of the way that a force alone would move a free obstacle, where others hold it.
+constexpr double place_roundings = 2;
+
+}  // namespace
 
 /// The frame of a pin at the end of the step.
 Frame ImplicitStage::frame_of(const Step& step, const Pin& pin) const {
@@ -155,11 +163,17 @@ double ImplicitStage::work_of_free(const Step& step) const {
 void SurfaceTouches::place_free(const Points& x) {
   const Drive& around = step_->equations.around;
   const double h = step_->h;
-  std::vector<Wrench> given(around.free.size());
+  std::vector<Wrench>& given = placed_by_;
+  given.assign(around.free.size(), {});
+  free_doubt_ = 0;
   free_bodies_.resize(around.free.size());
   if (free_rows_.any()) {
     free_rows_.clear_twists();
-    for (const Force& each : forces_) free_rows_.add_force(each.row, each.force);
+    for (const Force& each : forces_) {
+      free_rows_.add_force(each.row, each.force);
+      const Handles handles = free_rows_.handles(each.row);
+      free_doubt_ += place_roundings * rounding * each.force.norm() * free_rows_.between(handles, handles).trace();
+    }
     given = free_rows_.given();
   }
   for (const FreeMotion& each : around.free) {
@@ -175,6 +189,18 @@ void SurfaceTouches::place_free(const Points& x) {
   free_rows_.set_planes(obstacle_, solid_, own_);
   free_rows_.set_bodies(around, free_bodies_, x, h * h, false);
   set_.delassus().set_free(&free_rows_);
+}
+
+/// What the forces at hand, turned with their tangents, give free bodies there beside what placed them: light ones go far by it.
+void SurfaceTouches::find_lack() {
+  lack_.assign(placed_by_.size(), {});
+  if (!free_rows_.any()) return;
+  free_rows_.clear_twists();
+  for (const Force& each : forces_) free_rows_.add_force(each.row, each.force);
+  for (std::size_t k = 0; k < lack_.size(); ++k) {
+    const Wrench& now = free_rows_.given()[k];
+    lack_[k] = {now.force - placed_by_[k].force, now.torque - placed_by_[k].torque};
+  }
 }
 
 }  // namespace softffd

@@ -232,8 +232,10 @@ StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
   solution_.fresh = solution_.settled = false;
   const bool solids = flat_ < int(end_.size());
   if (!free_bodies_.empty()) place_free(problem.x);
+  slack_ = problem.slack + free_doubt_;
   if (solids && !covered_) find_tangents(2 * std::max(tangents_.way(problem.x0, problem.x), way_of_free()));
   if (solids) turn_tangents(problem);
+  find_lack();
   if (!solve_free(problem)) return StepStatus::not_finite;
   before_ = forces_;
   if (const StepStatus status = find_forces(problem); status != StepStatus::ok) return status;
@@ -276,7 +278,7 @@ StepStatus SurfaceTouches::find_forces(const StepProblem& problem) {
     bool lost = false;
     if (const StepStatus status = press(problem, lost); status != StepStatus::ok) return status;
     const bool found = rubs() ? rub(problem) : !lost;
-    solution_.settled = found && doubt_ <= problem.slack;
+    solution_.settled = found && doubt_ <= slack_;
     if (found) break;
   }
   return StepStatus::ok;
@@ -292,12 +294,12 @@ StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
     if (looks == 0) all_covered();
     list_candidates();
     set_.delassus().set_rows(start_);
-    if (const StepStatus status = set_.solve(candidates_, gap_functions_, problem.slack, loads_); status != StepStatus::ok) return status;
+    if (const StepStatus status = set_.solve(candidates_, gap_functions_, slack_, loads_); status != StepStatus::ok) return status;
     if (set_.pinned_violation() > pin_slack * length_) return StepStatus::pin_behind_plane;
     lost = take_loads() || lost;
     find_move(forces_);
     find_heights(problem);
-    if (in_front(problem.slack)) return StepStatus::ok;
+    if (in_front(slack_)) return StepStatus::ok;
   }
   return StepStatus::not_finite;
 }
@@ -358,12 +360,12 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
     force.push_back(each.force);
     for (int t = 0; t < n; ++t) coulomb_.g.push_back(g.block(each.row, forces_[t].row));
   }
-  coulomb_.exact = exact_roundings * rounding / position_slack * problem.slack + doubt_;
+  coulomb_.exact = exact_roundings * rounding / position_slack * slack_ + doubt_;
   const double missed = rows_.solve(coulomb_, g.operations(), force);
   for (int t = 0; t < n; ++t) forces_[t].force = force[t];
   find_move(forces_);
   find_heights(problem);
-  return missed <= problem.slack + doubt_ && in_front(problem.slack);
+  return missed <= slack_ + doubt_ && in_front(slack_);
 }
 
 /// Are the samples in front of the planes at the gaps at hand, as far as their lists and rounding let know? Looks for them anew where
@@ -394,7 +396,7 @@ void SurfaceTouches::find_move(const std::vector<Force>& forces) {
   move_ = free_;
   doubt_ = 0;
   StepDelassus& g = set_.delassus();
-  free_rows_.clear_twists();
+  if (free_rows_.any()) free_rows_.set_given(lack_);
   const auto push = [&](const SurfaceRow& row, const Vec3& more) {
     g.add_response(row.sample, more, move_);
     if (free_rows_.any()) free_rows_.add_force(row, more);

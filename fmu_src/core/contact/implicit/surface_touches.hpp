@@ -72,6 +72,7 @@ class SurfaceTouches final : public ImplicitTouches {
   double way_of_free() const;
   void place_free(const Points& x);
   bool turns_free(const Points& x);
+  void find_lack();
   StepStatus press(const StepProblem& problem, bool& lost);
   void find_loads();
   bool in_front(double slack);
@@ -113,7 +114,10 @@ class SurfaceTouches final : public ImplicitTouches {
   std::vector<GapFunction> gap_functions_;
   std::vector<Candidate> candidates_;
   FeasibleSet feasible_;
-  double doubt_ = 0;  ///< rounding of move_ [m]
+  double doubt_ = 0;                      ///< rounding of move_ [m]
+  std::vector<Wrench> placed_by_, lack_;  ///< by which the free bodies were placed, and what the forces there are beyond it
+  double free_doubt_ = 0;  ///< rounding of where free obstacles are: light ones would go far in a step without the forces on them [m]
+  double slack_ = 0;       ///< of the problem, and that [m]
   bool stale_ = true;
 };
 
