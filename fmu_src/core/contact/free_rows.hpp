@@ -64,7 +64,7 @@ class FreeRows {
   /// Of each body, by forces f of rows with these handles.
   void find_twists(const std::vector<Handles>& handles, const std::vector<Vec3>& forces);
   void clear_twists();
-  void set_given(const std::vector<Wrench>& given);  ///< and the twists by it
+  void set_given(const std::vector<Wrench>& given);          ///< and the twists by it
   void add_force(const SurfaceRow& row, const Vec3& force);  ///< the same of one more row
   const std::vector<Twist>& twists() const { return twists_; }
   /// Forces by which rows with these handles stick that are away from where they would [m]: the masses' G and what free bodies yield undo

@@ -18,7 +18,7 @@ struct Slip {
   double along = 0;              ///< at the end, in the direction of the beginning [N m/s]
   double stopped = 0;            ///< at the beginning, of contacts that stick at the end or slide in another direction [N m/s]
   double loosened = 0;           ///< at the end, of contacts that stuck at the beginning [N m/s]
-  double rigid = 0;              ///< the largest such slip of solids' own samples, which nothing else stops sooner or later [m/s]
+  double rigid = 0;              ///< the largest such slip of free obstacles, which nothing else stops sooner or later [m/s]
 
   /// One contact: the force that presses, the limit of friction and the friction [N], its slip at the beginning and the end [m/s]. change:
   /// of the obstacle's own velocity [m/s].
@@ -33,7 +33,7 @@ struct Slip {
     along += force * begin.dot(end) / begin.norm();
     if (stops(slid, begin, end)) stopped += force * slid;
   }
-  /// The same of a solid's own sample.
+  /// The same of a free obstacle.
   void add_rigid(double limit, const Vec3& rub, const Vec3& begin, const Vec3& end, double change) {
     const double slid = begin.norm() - change, slides = end.norm();
     if (begins(rub.norm(), limit, slid, slides)) rigid = std::max(rigid, slides);

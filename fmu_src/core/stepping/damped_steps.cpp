@@ -296,14 +296,17 @@ StepStatus DampedSteps::take_explicit(const Call& call) {
   }
   const double until = std::min(record.explicit_until, call.end);
   context.run.course.method = Method::leapfrog;
-  const double left = call.integrators.budget().left();
+  const double before = context.run.course.work, left = call.integrators.budget().left();
   const double forecast = call.others.times() * step_work(context.model.body, context.drive, context.run, Method::leapfrog, call.limit) *
                           (until - begin) / call.limit;
   const double most = std::max(use::lost_explicit * forecast, call.integrators.implicit_work().in_contact());
   const StepStatus status = call.others.run(call.integrators, context, until, most);
   const double now = context.run.path.motion.time;
-  record.rate = (left - call.integrators.budget().left()) / (now - begin);
-  if (now < until) record.explicit_until = now;  // implicit ones go on
+  record.rate = (context.run.course.work - before) / (until - begin);
+  if (now < until) {  // implicit ones go on
+    record.rate = (left - call.integrators.budget().left()) / (now - begin);
+    record.explicit_until = now;
+  }
   record.h = use::first_damped * call.worth();
   record.constraints = 0;
   return status;

@@ -42,7 +42,7 @@ class DampedSteps {
     bool turned;        ///< a contact stopped, turned round or began to slide in it
     double bend;
     double lost;   ///< [J]
-    double rigid;  ///< way of free obstacles on others that ends or begins in it [m]
+    double rigid;  ///< way of free obstacles that ends or begins in it [m]
   };
   struct Forces {
     double difference, largest;

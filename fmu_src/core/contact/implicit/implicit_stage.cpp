@@ -183,7 +183,7 @@ void ImplicitStage::move(const Step& step) {
   const RigidMotion motion = rigid_motion(body.mass, x, change);
   const double angle_squared = std::max(motion.spin.squaredNorm(), move_parts(step, change));
   const bool settled = touches_->solution().settled;
-  straight_ = angle_squared <= straight && settled;
+  straight_ = angle_squared <= straight && settled && !touches_->solution().again;
   if (angle_squared > straight)
     for (int p = 0; p < body.points(); ++p)
       if (!body.pinned[p]) set_row(change, p, row(change, p) + second_order(motion.spin, row(x, p) - motion.centre));
@@ -326,10 +326,10 @@ Slip ImplicitStage::slip_of_contacts(const Step& step) const {
     const Vec3 begin = tangential(each.normal, velocity_at_begin(step, each) - surface);
     const Vec3 end = tangential(each.normal, velocity_at_end(step, each) - material_velocity(step, each));
     const Vec3 rub = tangential(each.normal, each.force);
-    if (on_body(each))
-      sum.add_contact(load, limit, rub, begin, end, (later - surface).norm());
-    else
-      sum.add_rigid(limit, rub, begin, end, (later - surface).norm());
+    const bool free = step.equations.around.planes[each.plane].own;
+    const double change = free ? 0 : (later - surface).norm();
+    if (on_body(each)) sum.add_contact(load, limit, rub, begin, end, change);
+    if (!on_body(each) || free) sum.add_rigid(limit, rub, begin, end, change);
   }
   return sum;
 }

@@ -45,6 +45,7 @@ struct StepProblem {
 struct StepSolution {
   Points change;         ///< dx [m]
   Points reaction;       ///< what the equations lack without contact and pins: A dx - residual [N]
+  bool again = false;    ///< obstacles have turned since it was linearised, the matrix serves on
   bool settled = false;  ///< the touches are those of the solution
   bool fresh = false;    ///< the matrix is that of this state
 };

@@ -229,7 +229,7 @@ bool SurfaceTouches::tangents_stand(const StepProblem& problem) const {
 }
 
 StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
-  solution_.fresh = solution_.settled = false;
+  solution_.fresh = solution_.settled = solution_.again = false;
   const bool solids = flat_ < int(end_.size());
   if (!free_bodies_.empty()) place_free(problem.x);
   slack_ = problem.slack + free_doubt_;
@@ -242,8 +242,8 @@ StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
   std::erase_if(forces_, [](const Force& each) { return each.force.isZero(0); });
   if (solids) {
     covered_ = tangents_.covers(std::max(tangents_.way(problem.x0, problem.x + move_), way_of_free()));
-    solution_.settled = solution_.settled && covered_ && tangents_stand(problem);
-    for (const Twist& each : free_rows_.twists()) solution_.settled = solution_.settled && each.turn.norm() <= most_free_turn;
+    solution_.again = !covered_ || !tangents_stand(problem);
+    for (const Twist& each : free_rows_.twists()) solution_.again = solution_.again || each.turn.norm() > most_free_turn;
   }
   solution_.change = move_;
   matrix_.forces_of(problem, move_, solution_.reaction);
