@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "contact/surface/solid_samples.hpp"
+#include "contact/free/solid_samples.hpp"
 #include "forces/solid.hpp"
 #include "forces/springs.hpp"
 #include "forces/volume.hpp"

@@ -1,6 +1,6 @@
 #include "methods/damped_leapfrog.hpp"
 
-#include "contact/free_parts.hpp"
+#include "contact/free/free_parts.hpp"
 #include "methods/traits.hpp"
 
 namespace softffd {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "contact/free_parts.hpp"
+#include "contact/free/free_parts.hpp"
 #include "methods/traits.hpp"
 
 namespace softffd {

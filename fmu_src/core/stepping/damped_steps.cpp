@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/operations.hpp"
 #include "kit/limits.hpp"
 #include "kit/outlook.hpp"
 #include "kit/snapshot.hpp"
@@ -40,6 +41,8 @@ constexpr double solved = 1e-4;
 /// Work of explicit steps, contact included, in their forecast, at which they are given up [1]: where contacts open and close from step to
 /// step, no step is short enough for them.
 constexpr double lost_explicit = 100;
+/// Operations of both in cubes of the number of rows: Coulomb's law at each, which moves all others in all directions.
+constexpr double free_row_work = 20;
 /// Shortest step in the largest explicit one, where there are no explicit steps to take over [1].
 constexpr double shortest_damped = 0.05;
 
@@ -56,6 +59,14 @@ Outlook ahead(const StepContext& context) {
   Outlook ahead = outlook_of_stiff(context, context.run.path.motion);
   if (ahead.slides_on) ahead.along_plane = left;
   return ahead;
+}
+
+/// Of an explicit step's two stages of contact with free obstacles, by the rows of the last step of either kind.
+double work_of_free_rows(const StepContext& context) {
+  if (std::ranges::all_of(context.drive.free, &FreeMotion::part)) return 0;
+  const auto number = [](const std::vector<Count>& of) { return double(std::ranges::count_if(of, [](Count row) { return row >= 0; })); };
+  const double rows = std::max(number(context.run.path.motion.held_rows.rows), number(context.run.path.surface.drift));
+  return use::free_row_work * rows * rows * rows / Operations::in_evaluation(context.model.body.points());
 }
 
 /// Have explicit steps taken over until later?
@@ -92,7 +103,8 @@ StepStatus DampedSteps::ExplicitSteps::run(Integrators& integrators, const StepC
 double DampedSteps::worth(Integrators& integrators, const StepContext& context, const ExplicitSteps& others) {
   const double limit = step_limit(context, Method::leapfrog, false), known = context.run.course.damped.rate;
   const double forecast = others.times() * step_work(context.model.body, context.drive, context.run, Method::leapfrog, limit) / limit;
-  return use::damped_runs * integrators.implicit_work().in_contact() / (known > 0 ? known : forecast);
+  const double free = others.times() * work_of_free_rows(context) / limit;
+  return use::damped_runs * integrators.implicit_work().in_contact() / ((known > 0 ? known : forecast) + free);
 }
 
 StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context, double end, const ExplicitSteps& others) {

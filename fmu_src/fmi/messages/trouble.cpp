@@ -37,7 +37,8 @@ std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& b
     case StepStatus::beside_solid: return "done";
     case StepStatus::impossible_planes:
       return where +
-             "the obstacles leave a control point, or a point of the surface, no feasible position; move or turn them so that they do not "
+             "the obstacles leave a control point, a point of the surface or a free obstacle no feasible position; move or turn them so "
+             "that they do not "
              "close on it";
     case StepStatus::pin_behind_plane:
       return where + "a pinned control point is behind an obstacle plane; the motions of the pin and the plane contradict each other";

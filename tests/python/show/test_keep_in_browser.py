@@ -33,6 +33,7 @@ def opened(tmp_path):
     return open_page
 
 
+@pytest.mark.full
 def test_picture_and_film_are_files_with_the_background_named_after_title_and_time(opened):
     with opened() as browser:
         browser.ask(CATCH)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from readings import deepest, vector
-from scenes import GRAVITY
+from readings import deepest, vector, velocities
+from scenes import GRAVITY, meshed
 from softffd import Simulation, deform, simulate
 from softffd.errors import SceneError, SoftffdError
 from softffd.fmu.package import scene_masses
@@ -268,3 +268,21 @@ def test_a_solid_that_pushes_beyond_reason_is_answered(body, speed):
         except SoftffdError:
             assert (simulation.positions == before).all()
         assert np.isfinite(simulation.positions).all()
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, pytest.param(1e-5, marks=pytest.mark.full)])
+def test_a_face_that_lands_at_a_communication_point_is_an_impact(tolerance, tmp_path):
+    """A stiff cube flies flat at a box; its vertices are on the face where a communication step ends, behind it at no time. A step that
+    did not count that as an impact took the rebound at the largest stable step, whatever the tolerance was: 0.6799 m/s."""
+    scene = meshed(
+        tmp_path, bodies.cube(4, 0.0), points=[4, 4, 4], mass={"total": 1.0}, velocity=[0.0, 0.0, 1.0], velocities="all", stop_time=0.1,
+        box=[{"name": "small", "size": [0.4, 0.5, 0.2], "point": [0.5, 0.5, 1.15]}], communication_step=0.01, outputs={"solver": True},
+        material={"stiffness": 1e6, "damping": 0.0}, tolerance=tolerance,
+    )  # fmt: skip
+    result = simulate(scene)
+    stable = result.outputs["solver.stable_step"].min()
+    finer = simulate(scene, start_values={"solver.method": "leapfrog", "solver.step": stable / 8})
+    rebounds = [velocities(each)[-1].mean(axis=0)[2] for each in (result, finer)]
+    assert rebounds[0] == pytest.approx(rebounds[1], abs=3e-4)
+    assert rebounds[0] == pytest.approx(-0.674, abs=5e-4)
+    assert not result.summary["warnings"]

@@ -93,7 +93,9 @@ def test_a_ball_and_a_roller_begin_to_roll(material, step, tmp_path):
 
 STANDS = {
     "drum on rails": ("cylinder", {"radius": 0.3, "length": 0.1, "point": [0.0, 0.0, 0.08]}, {"box": RAILS}, 0.05),
-    "roller on rails": ("cylinder", {"radius": 0.1, "length": 0.8, "normal": [1.0, 0.0, 0.0], "point": [0.0, 0.0, 0.12]}, {"box": RAILS}, 0.1),
+    "roller on rails": (
+        "cylinder", {"radius": 0.1, "length": 0.8, "normal": [1.0, 0.0, 0.0], "point": [0.0, 0.0, 0.12]}, {"box": RAILS}, 0.1,
+    ),
     "ball in a groove": ("sphere", {"radius": 0.25, "point": [0.0, 0.0, 0.22]}, {"box": RAILS}, 0.2),
     "plank on rails": ("box", {"size": [1.0, 0.1, 0.1], "point": [0.02, 0.0, 0.07]}, {"box": RAILS}, 0.05),
     "plate on a post": (

@@ -15,8 +15,6 @@ constexpr double exact_roundings = 4;
 /// Of the way that a force alone would move its sample, where others hold it: what is left of the sum is known no better.
 constexpr double response_roundings = 2;
 
-/// By which normals of tangents may still turn where a solution settles [1]: the gap that it leaves is of second order in it.
-constexpr double most_turn = 1e-6;
 /// By which a free obstacle may [rad]; its samples are behind it by the square.
 constexpr double most_free_turn = 1e-7;
 /// And by which forces of the step before may turn it [rad].
@@ -115,117 +113,6 @@ void SurfaceTouches::hold(State& state) const {
     held.rows[t] = number(forces_[t].row);
     set_row(held.forces, int(t), forces_[t].force);
   }
-}
-
-/// In which the sample meets the obstacle; -1: in none.
-int SurfaceTouches::plane_of(int obstacle, int sample) const {
-  if (obstacle < flat_ && samples_.of_object(sample)) return obstacle;
-  const int at = tangents_.index(obstacle, sample);
-  return at < 0 ? -1 : flat_ + at;
-}
-
-/// Those of all samples that can come to a solid where no point goes further than this from where the step begins [m]; the forces at hand
-/// go with their samples.
-void SurfaceTouches::find_tangents(double way) {
-  std::vector<std::pair<Count, Vec3>> known;
-  for (const Force& each : forces_) known.push_back({number(each.row), each.force});
-  tangents_.find(step_->equations.around, step_->t, step_->t + step_->h, step_->from.x, way);
-  covered_ = true;
-  planes_.resize(flat_);
-  obstacle_.resize(flat_);
-  friction_.resize(flat_);
-  solid_.resize(flat_);
-  own_.resize(flat_);
-  for (const Tangent& each : tangents_.found()) {
-    planes_.push_back(each.end);
-    obstacle_.push_back(each.obstacle);
-    friction_.push_back(each.friction);
-    solid_.push_back(each.solid);
-    own_.push_back(each.nearest);
-  }
-  set_normals();
-  forces_.clear();
-  for (const auto& [number, force] : known) {
-    const int sample = int(number % samples_.all()), plane = plane_of(int(number / samples_.all()), sample);
-    if (plane >= 0) forces_.push_back({{plane, sample}, force});
-  }
-}
-
-/// Where the sample of a row is when the step begins.
-Vec3 SurfaceTouches::begin_of(const SurfaceRow& row) const {
-  return own(row) ? tangent_of(row.plane).place : samples_.at(row.sample, step_->from.x);
-}
-
-/// Where its material is at the end, control points being at x and free bodies where they were placed.
-Vec3 SurfaceTouches::material_of(const SurfaceRow& row, const Points& x) const {
-  if (!own(row)) return samples_.at(row.sample, x);
-  const Plane& solid = step_->equations.around.planes[solid_[row.plane]];
-  const SolidPose start = solid.own ? solid.pose_of(step_->from.free[solid.own->index()]) : solid.pose_at(step_->t);
-  return taken_along(solid, start, tangent_of(row.plane).place, poses_[solid_[row.plane]]);
-}
-
-/// Where the sample is then, and from where its tangent is looked for.
-SolidSample SurfaceTouches::sample_of_row(const SurfaceRow& row, const Points& x) const {
-  if (!own(row)) {
-    const Vec3 place = samples_.at(row.sample, x);
-    return {place, place};
-  }
-  const int solid = solid_[row.plane];
-  const Tangent& found = tangent_of(row.plane);
-  const std::vector<Plane>& planes = step_->equations.around.planes;
-  const std::optional<SolidSample> sample =
-      sample_of(planes[solid], poses_[solid], tangents_.number_of(found), planes[found.obstacle], poses_[found.obstacle]);
-  if (sample) return *sample;
-  const Vec3 place = material_of(row, x);
-  return {place, place};
-}
-
-/// By which free obstacles that may meet others go at the forces at hand [m].
-double SurfaceTouches::way_of_free() const {
-  double most = 0;
-  if (samples_.all() == samples_.count()) return most;
-  for (const FreeMotion& each : step_->equations.around.free) {
-    if (each.body().plane < 0) continue;
-    const FreeState &from = step_->from.free[each.index()], &end = free_bodies_[each.index()];
-    const Twist& twist = free_rows_.twists()[each.index()];
-    const double turned = (axes_of(end.orientation) - axes_of(from.orientation)).norm() + twist.turn.norm();
-    const double size = step_->equations.around.planes[each.body().plane].size();
-    most = std::max(most, (end.position + twist.move - from.position).norm() + size * turned);
-  }
-  return most;
-}
-
-/// The tangent of a plane at a place of its sample: at its foot where the place is behind the half-space that was in front of the sample
-/// when the step began, so that none comes out of the other side of a thin solid.
-HalfSpace SurfaceTouches::tangent_at(int plane, const Vec3& place) const {
-  const HalfSpace& start = tangents_.found()[plane - flat_].end;
-  const int solid = obstacle_[plane];
-  if (solid < flat_) return end_[solid];
-  return tangent(step_->equations.around.planes[solid], poses_[solid], place - std::min(start.gap(place), 0.0) * start.normal);
-}
-
-/// To where the samples are now; forces go with the normals.
-void SurfaceTouches::turn_tangents(const StepProblem& problem) {
-  const std::vector<Vec3> before = normals_;
-  for (int q = flat_; q < int(planes_.size()); ++q) {
-    const SurfaceRow row{q, tangent_of(q).sample};
-    const SolidSample sample = sample_of_row(row, problem.x);
-    own_[q] = sample.place;
-    planes_[q] = tangent_at(q, sample.facing);
-  }
-  set_normals();
-  for (Force& each : forces_)
-    if (each.row.plane >= flat_) each.force = swung(before[each.row.plane], normals_[each.row.plane], each.force);
-}
-
-/// Do the tangents hold where the forces have brought the samples?
-bool SurfaceTouches::tangents_stand(const StepProblem& problem) const {
-  return std::ranges::all_of(forces_, [&](const Force& each) {
-    if (each.row.plane < flat_) return true;
-    Vec3 place = sample_of_row(each.row, problem.x).facing + samples_.at(each.row.sample, move_);
-    if (free_rows_.any()) place += free_rows_.parting(each.row);
-    return (tangent_at(each.row.plane, place).normal - normals_[each.row.plane]).norm() <= most_turn;
-  });
 }
 
 StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "contact/free_parts.hpp"
+#include "contact/free/free_parts.hpp"
 #include "contact/surface/surface_loops.hpp"
 #include "contact/tolerances.hpp"
 
@@ -300,38 +300,6 @@ bool SurfaceContact::gains(const StepView& step, const Points& x1) const {
   return gain > no_gain * size;
 }
 
-/// Where the rows of a stage are, after it.
-void SurfaceContact::find_places(const SurfaceStage& stage, const Points& x1) {
-  places_.clear();
-  for (const SurfaceRow& row : stage.rows) {
-    const bool moved = &stage == &drift_ && own(row);
-    places_.push_back(moved ? Vec3(tangent_of(row).flown + free_rows_.motion_of_solid(row)) : begin_of(row, x1));
-  }
-}
-
-/// Impulses of a stage with forces times per_force [N s]. Returns the work of the own motion of obstacles and pins [J].
-double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
-  double work = 0;
-  Impulse taken;
-  for (std::size_t t = 0; t < stage.rows.size(); ++t) {
-    const int q = stage.rows[t].plane;
-    const Vec3 impulse = per_force * stage.force(int(t));
-    if (own(stage.rows[t])) {
-      work += book_own(step, stage.rows[t], places_[t], impulse, exchange);
-      continue;
-    }
-    taken.add(-impulse, places_[t] - end_[q].point);
-    exchange.touch(obstacle_[q], stage.rows[t].sample, impulse);
-    if (step.around.planes[obstacle_[q]].PlaneMotion::solid()) taken.press(end_[q].normal.dot(impulse), places_[t] - end_[q].point);
-    if ((q >= flat_ || !still_[q]) && !step.around.planes[obstacle_[q]].own) work += impulse.dot(end_[q].material_velocity(places_[t]));
-    if (t + 1 < stage.rows.size() && stage.rows[t + 1].plane == q) continue;
-    exchange.planes[obstacle_[q]] += taken;
-    taken = {};
-  }
-  exchange.work += work;
-  return step.around.pins.empty() ? work : work + give_pins(step, stage, per_force, exchange);
-}
-
 /// Velocities after the closing kick, with these samples in front of their planes.
 StepStatus SurfaceContact::stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows) {
   places_known_ = false;
@@ -378,6 +346,8 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
     find_places(close_, step.x0);
   }
   if (const StepStatus status = pressed_solids(step, close_); status != StepStatus::ok) return status;
+  const bool touched = !drift_.rows.empty() || (!rows.close.empty() && rows.close[0] >= 0);
+  if (!touched) impacts_ += Count(close_.rows.size());  // the drift ended on an obstacle, behind none
   close_.give(1, v);
   exchange.dissipated += book(step, close_, 1, exchange);
   give_free(close_, step.around, 1, false, free);

@@ -12,7 +12,7 @@
 #pragma once
 #include <vector>
 
-#include "contact/surface/solid_samples.hpp"
+#include "contact/free/solid_samples.hpp"
 #include "model/samples.hpp"
 
 namespace softffd {

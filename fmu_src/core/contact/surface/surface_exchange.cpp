@@ -1,9 +1,41 @@
-/// What contact of the surface gives free bodies and pins, and tangents of bodies that turn.
+/// What contact of the surface gives obstacles, pins and free bodies, and tangents of bodies that turn.
 #include <algorithm>
 
 #include "contact/surface/surface_contact.hpp"
 
 namespace softffd {
+
+/// Where the rows of a stage are, after it.
+void SurfaceContact::find_places(const SurfaceStage& stage, const Points& x1) {
+  places_.clear();
+  for (const SurfaceRow& row : stage.rows) {
+    const bool moved = &stage == &drift_ && own(row);
+    places_.push_back(moved ? Vec3(tangent_of(row).flown + free_rows_.motion_of_solid(row)) : begin_of(row, x1));
+  }
+}
+
+/// Impulses of a stage with forces times per_force [N s]. Returns the work of the own motion of obstacles and pins [J].
+double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
+  double work = 0;
+  Impulse taken;
+  for (std::size_t t = 0; t < stage.rows.size(); ++t) {
+    const int q = stage.rows[t].plane;
+    const Vec3 impulse = per_force * stage.force(int(t));
+    if (own(stage.rows[t])) {
+      work += book_own(step, stage.rows[t], places_[t], impulse, exchange);
+      continue;
+    }
+    taken.add(-impulse, places_[t] - end_[q].point);
+    exchange.touch(obstacle_[q], stage.rows[t].sample, impulse);
+    if (step.around.planes[obstacle_[q]].PlaneMotion::solid()) taken.press(end_[q].normal.dot(impulse), places_[t] - end_[q].point);
+    if ((q >= flat_ || !still_[q]) && !step.around.planes[obstacle_[q]].own) work += impulse.dot(end_[q].material_velocity(places_[t]));
+    if (t + 1 < stage.rows.size() && stage.rows[t + 1].plane == q) continue;
+    exchange.planes[obstacle_[q]] += taken;
+    taken = {};
+  }
+  exchange.work += work;
+  return step.around.pins.empty() ? work : work + give_pins(step, stage, per_force, exchange);
+}
 
 /// Free bodies yield to the rows of the next stage, which are at x; without any nothing of them is looked at.
 void SurfaceContact::set_free(const Drive& around, const std::vector<FreeState>& free, const Points& x) {

@@ -1,4 +1,4 @@
-#include "contact/surface/solid_samples.hpp"
+#include "contact/free/solid_samples.hpp"
 
 #include <algorithm>
 

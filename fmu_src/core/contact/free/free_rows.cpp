@@ -1,4 +1,4 @@
-#include "contact/free_rows.hpp"
+#include "contact/free/free_rows.hpp"
 
 #include <Eigen/Dense>
 
