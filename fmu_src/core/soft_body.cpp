@@ -161,7 +161,7 @@ void SoftBody::refresh_forces() {
 
 void SoftBody::refresh_free_bodies() {
   for (std::size_t k = 0; k < drive_.free.size(); ++k) {
-    const FreeLoad& load = settings.free[k];
+    FreeLoad load = settings.free[k];
     drive_.free[k].follow(now_.path.motion.free);  // a soft body may have been moved
     std::vector<double> masses;
     std::vector<Vec3> arms;
@@ -174,7 +174,8 @@ void SoftBody::refresh_free_bodies() {
     const FreeState own = drive_.free[k].own(state);
     const Vec3 spin = drive_.free[k].spin(state);
     const double before = drive_.free[k].mass();
-    drive_.free[k].load(load.mass, load.force + load.mass * settings.gravity, load.torque, arms, masses);
+    load.force += load.mass * settings.gravity;
+    drive_.free[k].load(load, state.time, arms, masses);
     if (drive_.free[k].mass() != before) state = drive_.free[k].whole(own, spin);
   }
 }

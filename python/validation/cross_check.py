@@ -79,7 +79,8 @@ def _reference(result: Result) -> dict[str, np.ndarray]:
         columns |= dict(zip(variable_names("position", [corner], flat=True), result.positions[:, *corner].T, strict=True))
     moved: dict[str, float] = {}
     for key, values in columns.items():
-        moved[_vector(key)] = max(moved.get(_vector(key), 0.0), np.ptp(values))
+        least = 1.0 if _vector(key).endswith(".orientation") else 0.0  # of a body that does not turn it is noise
+        moved[_vector(key)] = max(moved.get(_vector(key), least), np.ptp(values))
     chosen = [key for key in columns if np.ptp(columns[key]) > LEAST * moved[_vector(key)]]
     chosen.sort(key=lambda key: not key.startswith(("probe", "position")))
     return {key: columns[key] for key in chosen[:MOST]}

@@ -46,16 +46,15 @@ Eigen::Matrix3d axes_of(const std::array<double, 4>& orientation) {
 
 FreeMotion::FreeMotion(const FreeBody& body, const std::vector<FreeState>& states, int index)
     : body_(body), states_(&states), index_(index) {
-  load(body.mass, Vec3::Zero(), Vec3::Zero());
+  load({.mass = body.mass}, 0);
 }
 
-void FreeMotion::load(double mass, const Vec3& force, const Vec3& torque, const std::vector<Vec3>& arms,
-                      const std::vector<double>& masses) {
-  mass_ = own_mass_ = mass;
-  own_inertia_ = (mass / body_.mass) * body_.inertia;
+void FreeMotion::load(const FreeLoad& load, double since, const std::vector<Vec3>& arms, const std::vector<double>& masses) {
+  load_ = load;
+  since_ = since;
+  mass_ = own_mass_ = load.mass;
+  own_inertia_ = (load.mass / body_.mass) * body_.inertia;
   inertia_ = own_inertia_.asDiagonal();
-  force_ = force;
-  torque_ = torque;
   centre_.setZero();
   for (std::size_t n = 0; n < arms.size(); ++n) {
     mass_ += masses[n];
@@ -87,7 +86,17 @@ FreeState FreeMotion::whole(const FreeState& own, const Vec3& spin) const {
   return s;
 }
 
-Wrench FreeMotion::loads(const FreeState& s) const { return {force_, torque_ - rotated(s.orientation, centre_).cross(force_)}; }
+Wrench FreeMotion::loads(const FreeState& s) const {
+  const double age = s.time - since_;
+  const Vec3 force = load_.force + age * load_.force_rate;
+  return {force, load_.torque + age * load_.torque_rate - rotated(s.orientation, centre_).cross(force)};
+}
+
+Wrench FreeMotion::mean_loads(const FreeState& from, double h) const {
+  FreeState middle = from;
+  middle.time += 0.5 * h;
+  return loads(middle);
+}
 
 Eigen::Matrix3d FreeMotion::inverse_mass() const {
   if (body_.guided()) return body_.guide * body_.guide.transpose() / mass_;
@@ -138,7 +147,8 @@ FreeState FreeMotion::moved(const FreeState& from, const FreeState& by, double h
 /// The turn is that of the end, which it takes some rounds to find.
 FreeState FreeMotion::stepped(const FreeState& from, double h, const Vec3& impulse, const Vec3& torque) const {
   FreeState to = from;
-  const Wrench load = loads(from);
+  to.time = from.time + h;
+  const Wrench load = loads(to);
   push(to, h * load.force + impulse, h * load.torque + torque);
   for (int round = 0; round < turn_rounds; ++round) {
     const FreeState end = moved(from, to, h);
@@ -147,7 +157,6 @@ FreeState FreeMotion::stepped(const FreeState& from, double h, const Vec3& impul
     to.position = end.position;
     if (found) break;
   }
-  to.time = from.time + h;
   return to;
 }
 
@@ -156,11 +165,14 @@ FreeState FreeMotion::flown(const FreeState& from, double time) const {
   const double h = time - from.time;
   FreeState to = from;
   to.time = time;
-  const Vec3 acceleration = part() ? Vec3(Vec3::Zero()) : Vec3(inverse_mass() * force_), torque = part() ? Vec3(Vec3::Zero()) : torque_;
-  to.position += h * (from.velocity + 0.5 * h * acceleration);
-  to.velocity += h * acceleration;
+  const auto [force, torque] = part() ? Wrench{} : loads(from);
+  const FreeLoad rates = part() ? FreeLoad{} : load_;
+  const Vec3 acceleration = inverse_mass() * force, jerk = inverse_mass() * rates.force_rate;
+  to.position += h * (from.velocity + 0.5 * h * (acceleration + h / 3 * jerk));
+  to.velocity += h * (acceleration + 0.5 * h * jerk);
   if (body_.guided() || h == 0) return to;
-  to.momentum += h * torque;
+  const auto momentum = [&](double age) { return Vec3(from.momentum + age * (torque + 0.5 * age * rates.torque_rate)); };
+  to.momentum = momentum(h);
   const double angle = std::abs(h) * std::max(spin(from).norm(), spin(to).norm());
   if (angle == 0) return to;
   const double parts = std::clamp(std::ceil(angle / longest_turn), 1.0, most_parts), part = h / parts;
@@ -168,7 +180,7 @@ FreeState FreeMotion::flown(const FreeState& from, double time) const {
   FreeState here = from;
   const auto slope = [&](double age, const Quaternion& at) {
     here.orientation = unit(at);
-    here.momentum = from.momentum + age * torque;
+    here.momentum = momentum(age);
     return rate_of(at, spin(here));
   };
   for (int i = 0; i < int(parts); ++i) {

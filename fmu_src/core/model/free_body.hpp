@@ -23,8 +23,9 @@ struct FreeBody {
 
 /// What a host sets between steps.
 struct FreeLoad {
-  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< on it, the torque about its centre [N], [N m]
-  double mass = 1;                                   ///< [kg]; the inertia goes with it
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();            ///< on it, the torque about its centre [N], [N m]
+  Vec3 force_rate = Vec3::Zero(), torque_rate = Vec3::Zero();  ///< their time derivatives [N/s], [N m/s]
+  double mass = 1;                                             ///< [kg]; the inertia goes with it
 };
 
 /// Where it is and how it moves.
@@ -66,9 +67,9 @@ class FreeMotion {
   double mass() const { return mass_; }  ///< of all that moves [kg]
   /// The states are these from now on.
   void follow(const std::vector<FreeState>& states) { states_ = &states; }
-  /// mass: its own. force, torque: on it, at its own centre, gravity included [N], [N m]. arms: in the frame, of the points that it takes
-  /// along [m], of these masses [kg].
-  void load(double mass, const Vec3& force, const Vec3& torque, const std::vector<Vec3>& arms = {}, const std::vector<double>& masses = {});
+  /// load: at its own centre, gravity included, as it is at the time `since`. arms: in the frame, of the points that it takes along [m], of
+  /// these masses [kg].
+  void load(const FreeLoad& load, double since, const std::vector<Vec3>& arms = {}, const std::vector<double>& masses = {});
 
   const FreeState& state() const { return (*states_)[index_]; }
   int index() const { return index_; }
@@ -80,7 +81,8 @@ class FreeMotion {
   /// A state of its own centre, as a state of all that moves.
   FreeState whole(const FreeState& own, const Vec3& spin) const;
 
-  Wrench loads(const FreeState& s) const;
+  Wrench loads(const FreeState& s) const;  ///< at the time of the state
+  Wrench mean_loads(const FreeState& from, double h) const;
   Vec3 spin(const FreeState& s) const;                        ///< [rad/s]
   Vec3 momentum(const FreeState& s, const Vec3& spin) const;  ///< angular [kg m2/s]
   double kinetic_energy(const FreeState& s) const;            ///< of its own [J]
@@ -103,7 +105,8 @@ class FreeMotion {
   Eigen::Matrix3d inertia_, inverse_inertia_;  ///< of all that moves, in the frame
   Vec3 own_inertia_;
   Vec3 centre_ = Vec3::Zero();  ///< of all that moves, in the frame from its own [m]
-  Vec3 force_ = Vec3::Zero(), torque_ = Vec3::Zero();
+  FreeLoad load_;
+  double since_ = 0;
 };
 
 /// The orientation turned by a rotation vector [rad] of the world.

@@ -119,7 +119,8 @@ PlaneWay way_between(const Plane& plane, double t0, double t1, double arm) {
     const FreeState start = plane.own->at(t0), end = plane.own->at(t1);
     const double spin = std::max(plane.own->spin(start).norm(), plane.own->spin(end).norm());
     const double fastest = std::max(start.velocity.norm(), end.velocity.norm()), far = arm + (t1 - t0) * fastest;
-    const double bend = plane.own->loads(start).force.norm() / plane.own->mass() + 2 * spin * fastest + 2 * spin * spin * far;
+    const double force = std::max(plane.own->loads(start).force.norm(), plane.own->loads(end).force.norm());
+    const double bend = force / plane.own->mass() + 2 * spin * fastest + 2 * spin * spin * far;
     return {fastest + spin * far, (t1 - t0) * (t1 - t0) / 8 * bend};
   }
   const double a0 = t0 - plane.since, a1 = t1 - plane.since, h = t1 - t0;

@@ -74,7 +74,6 @@ fmi2Status Instance::do_step(double time, double step) {
   times_.check_step(time, step);
   variables_.begin_step(body_, estimate());
   if (variables_.changed()) apply_values();
-  variables_.apply_mean_loads(body_.settings, step);
   const StepStatus status = body_.advance(step);
   if (status == StepStatus::too_much_work || status == StepStatus::not_finite) {
     phase = step_failed;

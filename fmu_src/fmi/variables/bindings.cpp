@@ -276,8 +276,8 @@ constexpr std::array<Binding, family_count> bindings{
         [](const Observed&, int, int) { return 0.0; }),  // costs as much as a step, and nobody extrapolates it
     output(Family::solver_folded_cells, [](const Observed& o, int, int) { return double(o.body.readings().folded_cells()); }),
     output(Family::solver_error_estimate, [](const Observed& o, int, int) { return o.estimate->value(); }),
-    setting(Family::body_force, of_free<&FreeLoad::force>),
-    setting(Family::body_torque, of_free<&FreeLoad::torque>),
+    setting(Family::body_force, of_free<&FreeLoad::force>, of_free<&FreeLoad::force_rate>),
+    setting(Family::body_torque, of_free<&FreeLoad::torque>, of_free<&FreeLoad::torque_rate>),
     setting(Family::start_velocity, of_plane<&PlaneMotion::velocity>),
     setting(Family::start_angular_velocity, of_plane<&PlaneMotion::angular_velocity>),
     setting(Family::body_mass, [](Settings& s, int k) { return &s.free[k].mass; }),

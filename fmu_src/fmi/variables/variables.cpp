@@ -217,18 +217,6 @@ bool Variables::apply(Settings& settings) {
   return std::exchange(values_.material_changed, false);
 }
 
-void Variables::apply_mean_loads(Settings& settings, double step) const {
-  if (!values_.rated) return;
-  for (const Family family : {Family::body_force, Family::body_torque}) {
-    const std::size_t row = row_of(family);
-    for (int index = 0; index < count(row); ++index) {
-      const Variable each = variable(row, index);
-      bindings[row].place(settings, member(each))[each.component()] =
-          values_.numbers[row][index] + 0.5 * step * values_.rates[0][row][index];
-    }
-  }
-}
-
 /// Most runs have no rates: what is 0 is not made 0 again.
 void Variables::spread_forces(Settings& settings) {
   if (count(row_of(Family::force)) + count(row_of(Family::load)) == 0) return;

@@ -73,8 +73,6 @@ class Variables {
   void touch() { set_changed(true, true); }
   /// Takes what has changed over into the settings. Returns whether mass, stiffness or damping are among it.
   bool apply(Settings& settings);
-  /// Gives free bodies, whose forces are constant during a step, the mean of those that have a rate, for one of this length [s].
-  void apply_mean_loads(Settings& settings, double step) const;
   void forget_rates();
   void set_changed(bool changed, bool material_changed) { values_.changed = changed, values_.material_changed = material_changed; }
 

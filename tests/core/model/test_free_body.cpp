@@ -24,7 +24,7 @@ Eigen::Matrix3d exact(const Vec3& momentum, double t) {
 TEST(a_spinning_top_flies_as_euler_says) {
   std::vector<FreeState> states(1);
   FreeMotion body(top, states, 0);
-  body.load(2, {0, 0, -20}, Vec3::Zero());
+  body.load({.force = {0, 0, -20}, .mass = 2}, 0);
   states[0].velocity = {1, 0, 3};
   states[0].momentum = {0.9, -0.4, 1.5};
   const double t = 10 / body.spin(states[0]).norm();

@@ -134,11 +134,13 @@ def test_a_free_block_turns_with_its_angular_momentum(scene):
         assert momentum(sim) == pytest.approx(first + 0.5 * torque, rel=1e-9)
 
 
-def test_a_force_with_a_derivative_acts_by_its_mean(scene):
+def test_a_force_with_a_derivative_grows_within_the_step(scene):
     with Simulation(scene, start_values={"sphere.ball.force.x": 1.0}) as sim:
         sim.set_rates({"sphere.ball.force.x": 8.0})
+        start = sim["sphere.ball.position"][0]
         sim.step(0.5)
         assert sim["sphere.ball.velocity"][0] == pytest.approx(1.0 + 0.5 * 3.0 / 2.0, abs=1e-12)
+        assert sim["sphere.ball.position"][0] - start == pytest.approx(0.5 + 0.5**2 / 4 + 8 * 0.5**3 / 12, abs=1e-12)
         sim.step(0.5)
         assert sim["sphere.ball.velocity"][0] == pytest.approx(1.0 + (1.5 + 0.5) / 2.0, abs=1e-12)
 

@@ -163,7 +163,7 @@ bool ImplicitContact::close(const Step& step, double outside, double work, bool 
   lost_ = loss;
   for (const FreeMotion& each : step.equations.around.free) {  // what they lost by the step itself
     const FreeState &from = step.from.free[each.index()], &end = stage_.free[each.index()];
-    const auto [force, torque] = each.loads(from);
+    const auto [force, torque] = each.mean_loads(from, step.h);
     const double loads = force.dot(end.position - from.position) + 0.5 * step.h * torque.dot(each.spin(from) + each.spin(end));
     free_work_ -= loads - (each.kinetic_energy(end) - each.kinetic_energy(from));
   }

@@ -63,7 +63,7 @@ void SurfaceContact::book_free(const StepView& step, const std::vector<FreeState
     const FreeMotion& body = step.around.free[k];
     if (body.part()) continue;  // its pin is booked
     const FreeState &start = free_start_[k], &end = free[k];
-    const auto [force, torque] = body.loads(start);
+    const auto [force, torque] = body.mean_loads(start, step.h);
     const double loads = 0.5 * step.h * (force.dot(start.velocity + end.velocity) + torque.dot(body.spin(start) + body.spin(end)));
     const double work = body.kinetic_energy(end) - body.kinetic_energy(start) - loads;
     exchange.work -= work;
