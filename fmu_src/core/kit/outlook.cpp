@@ -193,7 +193,7 @@ Outlook outlook(const StepContext& context, const State& state) {
   const Vec3 pushed = plane->acceleration - whole_acceleration(context);
   const double left = left_of_run(context), pressing = pushed.dot(obstacle.normal);
   Outlook ahead{obstacle.normal, left, left, left, pressing};
-  if (!context.drive.pins.empty()) return ahead;
+  if (context.drive.held()) return ahead;
   if (squeezed(context, state)) {
     ahead.along_normal = std::min(left, ringing_time(context, slowest_period(context)));
     if (plane->friction > 0) ahead.along_plane = ahead.along_normal;
@@ -216,7 +216,7 @@ Outlook outlook(const StepContext& context, const State& state) {
 
 Outlook outlook_of_stiff(const StepContext& context, const State& state) {
   Outlook ahead = outlook(context, state);
-  if (context.drive.pins.empty() && ahead.pressing > 0) look_for_fall(context, state, ahead);
+  if (!context.drive.held() && ahead.pressing > 0) look_for_fall(context, state, ahead);
   return ahead;
 }
 
@@ -244,8 +244,9 @@ double free_bodies_apart(const StepContext& context, const State& a, const State
     const double turned = (axes_of(one.orientation) - axes_of(other.orientation)).norm();
     const double place = (one.position - other.position).norm() + size * turned;
     const double speed = (one.velocity - other.velocity).norm() + size * (each.spin(one) - each.spin(other)).norm();
+    const bool lasts = touches || (each.part() && context.drive.held());
     const double period = slowest_period(context) * std::sqrt(1 + each.mass() / context.model.body.mass.sum());
-    most = worse(most, std::max(place, speed * (touches || each.part() ? std::min(period, left) : left)));
+    most = worse(most, std::max(place, speed * (lasts ? std::min(period, left) : left)));
   }
   return most;
 }
@@ -255,7 +256,7 @@ double outcome_of(const StepContext& context, const State& a, const State& b, co
   double error = free_bodies_apart(context, a, b, false);
   for (int i = 0; i < a.x.size(); ++i)
     if (context.model.memory[i] > 0) error = worse(error, std::abs(a.x.data()[i] - b.x.data()[i]));
-  if (!context.drive.pins.empty()) {
+  if (context.drive.held()) {
     for (int i = 0; i < a.v.size(); ++i) error = std::max(error, std::abs(a.v.data()[i] - b.v.data()[i]) * context.model.time_scale[i]);
     return std::isnan(error) ? infinity : error;
   }

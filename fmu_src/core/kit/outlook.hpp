@@ -46,7 +46,7 @@ Outlook outlook_of_stiff(const StepContext& context, const State& state);
 /// may add to the error. Each impact has a phase of its own. known: error of the places at the impact [m].
 void book_unknown_phase(const StepContext& context, const State& state, double energy, double frequency, double known);
 /// Of free bodies, the part of what two states differ by now, and what their velocities make of it [m]: what touches the object, or always
-/// where `swing`, swings with it, what flies goes on.
+/// where `swing`, swings with it, and so does a part that is bonded to a body that other pins hold; what flies goes on.
 double free_bodies_apart(const StepContext& context, const State& a, const State& b, bool swing);
 /// What two states will differ by at the end of the run [m]; infinite where one is not finite.
 double outcome_of(const StepContext& context, const State& a, const State& b, const Outlook& ahead);

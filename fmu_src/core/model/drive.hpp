@@ -1,6 +1,7 @@
 /// What acts on the body from outside during one communication step.
 #pragma once
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -32,6 +33,10 @@ struct Drive {
   bool watch = false;                ///< dissipated energy and work are wanted in the Exchange
   bool damping_unwatched = false;    ///< but not what damping takes, which costs most to book
 
+  /// Does a pin hold the body that is not free itself?
+  bool held() const {
+    return std::any_of(pins.begin(), pins.end(), [](const Pin& pin) { return !pin.own; });
+  }
   /// What coordinate i (of 3 * points) of the outside forces has gained by time t [N].
   double ramp(Eigen::Index i, double t) const {
     const double s = t - since;

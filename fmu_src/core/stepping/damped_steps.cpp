@@ -148,12 +148,12 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
 /// Until an error of now is forgotten [s]: pins take a body back to where its slowest vibration dies away.
 double DampedSteps::memory(const StepContext& context) {
   const double longest = std::min(context.request.horizon, context.model.longest_memory);
-  return context.drive.pins.empty() ? longest : slowest_.memory(context.model.body, longest);
+  return !context.drive.held() ? longest : slowest_.memory(context.model.body, longest);
 }
 
 /// What is left of the error after h.
 void DampedSteps::forget(const Call& call, double h) {
-  if (!call.context.drive.pins.empty()) call.context.run.path.stiff.error *= std::max(0.0, 1 - h / call.memory);
+  if (call.context.drive.held()) call.context.run.path.stiff.error *= std::max(0.0, 1 - h / call.memory);
 }
 
 /// again: the step before was as long.
@@ -180,7 +180,7 @@ double DampedSteps::passed_over(const Call& call, double h, double lost) const {
   const StepContext& context = call.context;
   const double energy = lost - context.model.noise;
   if (!(energy > 0) || h < std::max(call.limit, 0.5 * use::passed_over * context.model.body.shortest_time())) return 0;
-  if (!context.drive.pins.empty() || context.drive.planes.empty()) return amplitude(context.model, energy, h);
+  if (context.drive.held() || context.drive.planes.empty()) return amplitude(context.model, energy, h);
   const double pressing = pressed_since(context, start_.exchange.planes) / h;
   const double moves = ahead(context).along_normal * std::sqrt(2 * energy / context.model.body.mass.sum());
   return pressing > 0 ? std::min(moves, energy / pressing) : moves;

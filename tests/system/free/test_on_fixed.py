@@ -8,7 +8,7 @@ import pytest
 
 from rigid import G, fall_over, slide
 from scenes import GRAVITY, meshed
-from softffd import simulate
+from softffd import Simulation, simulate
 from softffd.rotation import matrices
 from textbook import TOLERANCE
 from validation import shapes
@@ -182,3 +182,25 @@ def test_a_floor_that_jumps_up_takes_a_box_with_it(step, tmp_path):
     result = simulate(scene, inputs=lambda t: {"plane.floor.point.z": 0.01 if t > 0.05 else 0.0})
     assert axis(result, "position.z")[-1] == pytest.approx(0.06, abs=1e-9)
     assert axis(result, "velocity.z")[-1] == pytest.approx(0.0, abs=1e-8)
+
+
+@pytest.mark.short("implicit")
+@pytest.mark.parametrize("material", MATERIALS)
+def test_a_state_continues_with_the_same_bits(material, tmp_path):
+    """A box that slides on a floor, from a moment in which it does."""
+    vertices, faces = shapes.cube(4, 0.0)
+    free = {"name": "free", "motion": "free", "mass": 1.0, "size": [0.1] * 3, "point": [0.5, 0.0, 0.06], "velocity": [1.0, 0.2, 0.0]}
+    scene = meshed(
+        tmp_path, (vertices * SIDE + [0.0, 0.0, 1.0], faces), gravity=GRAVITY, mass={"total": 1.0}, points=[4, 4, 4], box=[free],
+        lattice={"origin": [0.0, 0.0, 1.0], "size": [SIDE] * 3}, pin=[{"name": "held", "points": "z-"}], communication_step=0.01,
+        material=MATERIALS[material], plane=[FLOOR], stop_time=0.4,
+    )  # fmt: skip
+    with Simulation(scene) as sim, Simulation(scene) as other:
+        for _ in range(15):
+            sim.step()
+        other.restore(bytes(sim.save()))
+        for each in (sim, other):
+            for _ in range(15):
+                each.step()
+        assert bytes(sim.save()) == bytes(other.save())
+        assert sim["box.free.position.z"] == pytest.approx(0.05, abs=1e-9)
