@@ -29,9 +29,9 @@ def beside(folder, material, step, *, kind: str, body: dict[str, Any], **keys: A
     origin = np.array([-5.0, 0.0, 0.0])
     free = {"name": "free", "motion": "free", "mass": 1.0, "friction": 0.0, **body}
     scene = meshed(
-        folder, (vertices * SIDE + origin, faces), gravity=GRAVITY, mass={"total": 1.0}, points=[4, 4, 4], reactions=True, energy=True,
-        lattice={"origin": origin.tolist(), "size": [SIDE] * 3}, material=MATERIALS[material], pin=[{"name": "held", "points": "z-"}],
-        stop_time=0.6, communication_step=step, **{kind: [*keys.pop(kind, []), free]}, **keys,
+        folder, (vertices * SIDE + origin, faces), mass={"total": 1.0}, points=[4, 4, 4], reactions=True, energy=True, stop_time=0.6,
+        lattice={"origin": origin.tolist(), "size": [SIDE] * 3}, pin=[{"name": "held", "points": "z-"}], material=MATERIALS[material],
+        gravity=keys.pop("gravity", GRAVITY), communication_step=step, **{kind: [*keys.pop(kind, []), free]}, **keys,
     )  # fmt: skip
     result = simulate(scene)
     assert not result.summary["warnings"]
@@ -89,6 +89,19 @@ def test_a_ball_and_a_roller_begin_to_roll(material, step, tmp_path):
         assert axis(result, "position.x", kind) == pytest.approx(way, abs=10 * TOLERANCE * SIDE)
         assert axis(result, "angular_velocity.y", kind)[-1] == pytest.approx(0.5 * left / 0.1, rel=1e-3)
         assert axis(result, "position.z", kind) == pytest.approx(0.1, abs=1e-8)
+
+
+@pytest.mark.short("implicit")
+@pytest.mark.parametrize(("material", "step"), [("implicit", 0.1), ("explicit", 0.01)], ids=["implicit", "explicit"])
+def test_a_box_on_a_slope_hardly_creeps(material, step, tmp_path):
+    """In a step by less than a millionth of what its weight would move it by."""
+    lean = np.radians(15)
+    gravity = [G * np.sin(lean), 0.0, -G * np.cos(lean)]
+    body = {"size": [0.1] * 3, "point": [0.0, 0.0, 0.05]}
+    result = beside(tmp_path, material, step, kind="box", body=body, plane=[FLOOR], gravity=gravity, outputs={"solver": True})
+    later = slice(len(result.time) // 2, None)
+    steps, way = (np.ptp(result.outputs[name][later]) for name in ("solver.steps", "box.free.position.x"))
+    assert 0 < way < 1e-6 * 0.5 * G * np.ptp(result.time[later]) ** 2 / steps
 
 
 STANDS = {

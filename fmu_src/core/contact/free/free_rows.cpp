@@ -48,7 +48,7 @@ Handles FreeRows::find_handles(const SurfaceRow& row) const {
   Handles found;
   if (const int k = body_of_[(*obstacles_)[row.plane]]; k >= 0) found.push_back({k, -1, (*states_)[k].position - place_of(row)});
   if (!samples_->of_object(sample)) {
-    if (const int k = body_of_[(*solids_)[row.plane]]; k >= 0) found.push_back({k, 1, place_of(row) - (*states_)[k].position});
+    if (const int k = body_of_[solid_of(*samples_, row.sample)]; k >= 0) found.push_back({k, 1, place_of(row) - (*states_)[k].position});
     return found;
   }
   if (!pins_) return found;
@@ -119,7 +119,7 @@ Vec3 FreeRows::parting(const SurfaceRow& row) const {
 
 Vec3 FreeRows::motion_of_solid(const SurfaceRow& row) const {
   if (samples_->of_object(row.sample)) return Vec3::Zero();
-  const int k = body_of_[(*solids_)[row.plane]];
+  const int k = body_of_[solid_of(*samples_, row.sample)];
   if (k < 0) return Vec3::Zero();
   return twists_[k].at(place_of(row) - (*states_)[k].position);
 }

@@ -14,8 +14,7 @@
 #include <functional>
 #include <vector>
 
-#include "model/drive.hpp"
-#include "model/samples.hpp"
+#include "contact/free/solid_samples.hpp"
 
 namespace softffd {
 
@@ -44,11 +43,9 @@ class FreeRows {
   /// The bodies in these states, rows being at x; what they yield is `scale` times their inverse masses. pins: their parts too, where
   /// nothing else lets them move. Read until the next call.
   void set_bodies(const Drive& around, const std::vector<FreeState>& states, const Points& x, double scale, bool pins);
-  /// Of each plane, read whenever a row is looked at: obstacles: whose it is; solids: whose own sample meets it, -1: the object's;
-  /// places: of that sample [m].
-  void set_planes(const std::vector<int>& obstacles, const std::vector<int>& solids, const std::vector<Vec3>& places) {
+  /// Of each plane, read whenever a row is looked at: obstacles: whose it is; places: of a solid's own sample that meets it [m].
+  void set_planes(const std::vector<int>& obstacles, const std::vector<Vec3>& places) {
     obstacles_ = &obstacles;
-    solids_ = &solids;
     places_ = &places;
   }
   bool any() const { return !yields_.empty(); }
@@ -94,7 +91,7 @@ class FreeRows {
     Eigen::Matrix3d mass, inertia;  ///< inverse ones, scaled
   };
   const Samples* samples_;
-  const std::vector<int>*obstacles_ = nullptr, *solids_ = nullptr;
+  const std::vector<int>* obstacles_ = nullptr;
   const std::vector<Vec3>* places_ = nullptr;
   const Drive* around_ = nullptr;
   const std::vector<FreeState>* states_ = nullptr;

@@ -122,6 +122,11 @@ std::optional<SolidSample> sample_of(const PlaneMotion& solid, const SolidPose& 
   return SolidSample{place, place};
 }
 
+double friction_between(const Plane& one, const Plane& other) {
+  const Plane &free = one.own ? one : other, &held = one.own ? other : one;
+  return free.own->body().guided() ? 0 : held.friction;
+}
+
 Vec3 taken_along(const Plane& solid, const SolidPose& from, const Vec3& place, const SolidPose& to) {
   const Vec3 arm = place - from.point;
   if (solid.box() || solid.own) return to.point + to.edges * (from.edges.transpose() * arm);

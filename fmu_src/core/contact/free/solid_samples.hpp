@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "model/drive.hpp"
+#include "model/samples.hpp"
 
 namespace softffd {
 
@@ -20,12 +21,17 @@ constexpr int most_of_solid = 32;
 
 /// Number of samples of a solid.
 int samples_of(const PlaneMotion& solid);
+/// Whose own sample it is, by its number among all (Samples::all).
+inline int solid_of(const Samples& samples, int sample) { return (sample - samples.count()) / most_of_solid; }
+
 struct SolidSample {
   Vec3 place;
   Vec3 facing;  ///< the point in front of the other obstacle whose tangent the sample stands before
 };
 /// Sample n of a solid in this pose, where it meets another obstacle; none where nothing of the edge lies over it.
 std::optional<SolidSample> sample_of(const PlaneMotion& solid, const SolidPose& pose, int n, const Plane& other, const SolidPose& its_pose);
+/// Coefficient between a free obstacle and another: of that one; of a body on a guide none, for the guide takes what is across it.
+double friction_between(const Plane& one, const Plane& other);
 /// Where material of a solid that was at this place in one pose is in another.
 Vec3 taken_along(const Plane& solid, const SolidPose& from, const Vec3& place, const SolidPose& to);
 

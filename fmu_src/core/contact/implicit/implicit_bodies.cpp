@@ -4,16 +4,8 @@
 #include "body/rigid_motion.hpp"
 #include "contact/implicit/implicit_stage.hpp"
 #include "contact/implicit/surface_touches.hpp"
-#include "contact/tolerances.hpp"
 
 namespace softffd {
-
-namespace {
-
-/// Of the way that a force alone would move a free obstacle, where others hold it.
-constexpr double place_roundings = 2;
-
-}  // namespace
 
 /// The frame of a pin at the end of the step.
 Frame ImplicitStage::frame_of(const Step& step, const Pin& pin) const {
@@ -132,10 +124,36 @@ void ImplicitStage::push_free(const Step& step) {
       if (reaction.plane != own && reaction.solid != own) continue;
       const Vec3 taken = reaction.solid == own ? impulse(step, reaction) : Vec3(-impulse(step, reaction));
       force += taken;
-      torque += ((on_body(reaction) ? touches_->value(reaction, x) : reaction.place) - touches_->plane(own).point).cross(taken);
+      torque += (place_at_end(reaction) - touches_->plane(own).point).cross(taken);
     }
     free[each.index()] = each.stepped(step.from.free[each.index()], step.h, force, torque);
   }
+}
+
+double ImplicitStage::friction_of(const Step& step, const Reaction& at) {
+  const std::vector<Plane>& planes = step.equations.around.planes;
+  return on_body(at) ? planes[at.plane].friction : friction_between(planes[at.solid], planes[at.plane]);
+}
+
+SolidPose ImplicitStage::pose_of(const Step& step, int obstacle, bool at_end) const {
+  const Plane& plane = step.equations.around.planes[obstacle];
+  if (plane.own) return plane.pose_of((at_end ? free : step.from.free)[plane.own->index()]);
+  return plane.pose_at(at_end ? step.t + step.h : step.t);
+}
+
+/// Of what the obstacle meets there.
+Vec3 ImplicitStage::place_at_begin(const Step& step, const Reaction& at) const {
+  return on_body(at) ? touches_->value(at, step.from.x) : at.begin;
+}
+
+Vec3 ImplicitStage::place_at_end(const Reaction& at) const { return on_body(at) ? touches_->value(at, x) : at.place; }
+
+Vec3 ImplicitStage::velocity_at_begin(const Step& step, const Reaction& at) const {
+  return on_body(at) ? touches_->value(at, step.from.v) : pose_of(step, at.solid, false).material_velocity(at.begin);
+}
+
+Vec3 ImplicitStage::velocity_at_end(const Step& step, const Reaction& at) const {
+  return on_body(at) ? touches_->value(at, v) : pose_of(step, at.solid, true).material_velocity(at.place);
 }
 
 ImplicitStage::OnFree ImplicitStage::on_free(const Step& step, const Reaction& at) const {
@@ -165,15 +183,10 @@ void SurfaceTouches::place_free(const Points& x) {
   const double h = step_->h;
   std::vector<Wrench>& given = placed_by_;
   given.assign(around.free.size(), {});
-  free_doubt_ = 0;
   free_bodies_.resize(around.free.size());
   if (free_rows_.any()) {
     free_rows_.clear_twists();
-    for (const Force& each : forces_) {
-      free_rows_.add_force(each.row, each.force);
-      const Handles handles = free_rows_.handles(each.row);
-      free_doubt_ += place_roundings * rounding * each.force.norm() * free_rows_.between(handles, handles).trace();
-    }
+    for (const Force& each : forces_) free_rows_.add_force(each.row, each.force);
     given = free_rows_.given();
   }
   for (const FreeMotion& each : around.free) {
@@ -186,7 +199,7 @@ void SurfaceTouches::place_free(const Points& x) {
     end_[q] = middle_[q] = poses_[q];
     middle_[q].point = 0.5 * (from.position + end.position);
   }
-  free_rows_.set_planes(obstacle_, solid_, own_);
+  free_rows_.set_planes(obstacle_, own_);
   free_rows_.set_bodies(around, free_bodies_, x, h * h, false);
   set_.delassus().set_free(&free_rows_);
 }

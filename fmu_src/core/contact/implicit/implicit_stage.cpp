@@ -338,29 +338,10 @@ Slip ImplicitStage::slip_of_contacts(const Step& step) const {
 Vec3 ImplicitStage::material_velocity(const Step& step, const Reaction& at) const {
   if (const FreeMotion* own = step.equations.around.planes[at.plane].own) {
     const FreeState& end = free[own->index()];
-    return end.velocity + own->spin(end).cross((on_body(at) ? touches_->value(at, x) : at.place) - end.position);
+    return end.velocity + own->spin(end).cross(place_at_end(at) - end.position);
   }
   if (!on_body(at)) return touches_->material_velocity(at.plane, 0.5 * (at.begin + at.place));
   return touches_->material_velocity(at.plane, touches_->value(at, step.from.x) + 0.5 * touches_->value(at, u_));
-}
-
-SolidPose ImplicitStage::pose_of(const Step& step, int obstacle, bool at_end) const {
-  const Plane& plane = step.equations.around.planes[obstacle];
-  if (plane.own) return plane.pose_of((at_end ? free : step.from.free)[plane.own->index()]);
-  return plane.pose_at(at_end ? step.t + step.h : step.t);
-}
-
-/// Of what the obstacle meets there.
-Vec3 ImplicitStage::place_at_begin(const Step& step, const Reaction& at) const {
-  return on_body(at) ? touches_->value(at, step.from.x) : at.begin;
-}
-
-Vec3 ImplicitStage::velocity_at_begin(const Step& step, const Reaction& at) const {
-  return on_body(at) ? touches_->value(at, step.from.v) : pose_of(step, at.solid, false).material_velocity(at.begin);
-}
-
-Vec3 ImplicitStage::velocity_at_end(const Step& step, const Reaction& at) const {
-  return on_body(at) ? touches_->value(at, v) : pose_of(step, at.solid, true).material_velocity(at.place);
 }
 
 /// On the body.

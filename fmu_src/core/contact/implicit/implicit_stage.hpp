@@ -106,9 +106,8 @@ class ImplicitStage {
     double work;   ///< of the other's own motion on it [J]
   };
   OnFree on_free(const Step& step, const Reaction& at) const;
-  static double friction_of(const Step& step, const Reaction& at) {
-    return on_body(at) ? step.equations.around.planes[at.plane].friction : at.friction;
-  }
+  static double friction_of(const Step& step, const Reaction& at);
+  Vec3 place_at_end(const Reaction& at) const;
   static bool on_body(const Reaction& reaction) { return reaction.solid < 0; }
   Vec3 pin_impulse(const Step& step, int p) const;
 

@@ -37,7 +37,6 @@ class ImplicitTouches {
     Vec3 force;             ///< [N]
     bool first;             ///< of those at the same place
     int solid = -1;         ///< whose own sample it is (contact/free/solid_samples.hpp); -1: it is of the body
-    double friction = 0;    ///< then: coefficient
     Vec3 begin{}, place{};  ///< where it is when the step begins, and at its end
   };
 

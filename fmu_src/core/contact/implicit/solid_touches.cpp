@@ -29,13 +29,11 @@ void SurfaceTouches::find_tangents(double way) {
   planes_.resize(flat_);
   obstacle_.resize(flat_);
   friction_.resize(flat_);
-  solid_.resize(flat_);
   own_.resize(flat_);
   for (const Tangent& each : tangents_.found()) {
     planes_.push_back(each.end);
     obstacle_.push_back(each.obstacle);
     friction_.push_back(each.friction);
-    solid_.push_back(each.solid);
     own_.push_back(each.nearest);
   }
   set_normals();
@@ -54,9 +52,10 @@ Vec3 SurfaceTouches::begin_of(const SurfaceRow& row) const {
 /// Where its material is at the end, control points being at x and free bodies where they were placed.
 Vec3 SurfaceTouches::material_of(const SurfaceRow& row, const Points& x) const {
   if (!own(row)) return samples_.at(row.sample, x);
-  const Plane& solid = step_->equations.around.planes[solid_[row.plane]];
+  const int number = tangent_of(row.plane).solid;
+  const Plane& solid = step_->equations.around.planes[number];
   const SolidPose start = solid.own ? solid.pose_of(step_->from.free[solid.own->index()]) : solid.pose_at(step_->t);
-  return taken_along(solid, start, tangent_of(row.plane).place, poses_[solid_[row.plane]]);
+  return taken_along(solid, start, tangent_of(row.plane).place, poses_[number]);
 }
 
 /// Where the sample is then, and from where its tangent is looked for.
@@ -65,11 +64,10 @@ SolidSample SurfaceTouches::sample_of_row(const SurfaceRow& row, const Points& x
     const Vec3 place = samples_.at(row.sample, x);
     return {place, place};
   }
-  const int solid = solid_[row.plane];
   const Tangent& found = tangent_of(row.plane);
   const std::vector<Plane>& planes = step_->equations.around.planes;
   const std::optional<SolidSample> sample =
-      sample_of(planes[solid], poses_[solid], tangents_.number_of(found), planes[found.obstacle], poses_[found.obstacle]);
+      sample_of(planes[found.solid], poses_[found.solid], tangents_.number_of(found), planes[found.obstacle], poses_[found.obstacle]);
   if (sample) return *sample;
   const Vec3 place = material_of(row, x);
   return {place, place};

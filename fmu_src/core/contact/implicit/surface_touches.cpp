@@ -17,8 +17,6 @@ constexpr double response_roundings = 2;
 
 /// By which a free obstacle may [rad]; its samples are behind it by the square.
 constexpr double most_free_turn = 1e-7;
-/// And by which forces of the step before may turn it [rad].
-constexpr double most_guessed_turn = 1e-4;
 
 constexpr auto by_row = [](const auto& a, const auto& b) { return a.row < b.row; };
 
@@ -46,7 +44,6 @@ void SurfaceTouches::open(const Step& step) {
   planes_.resize(flat_);
   obstacle_.resize(flat_);
   friction_.resize(flat_);
-  solid_.assign(flat_, -1);
   own_.assign(flat_, Vec3::Zero());
   for (std::size_t q = 0; q < end_.size(); ++q) {
     middle_[q] = obstacles[q].at(step.t + 0.5 * step.h);
@@ -89,17 +86,6 @@ void SurfaceTouches::guess(const Step& step, const Points&, const Points& x) {
     const SurfaceRow row{plane_of(obstacle, sample), sample};
     if (row.plane >= 0 && (forces_.empty() || forces_.back().row < row)) forces_.push_back({row, softffd::row(held.forces, int(t))});
   }
-  const auto of_solid = [&](const Force& each) { return own(each.row); };
-  if (std::ranges::any_of(forces_, of_solid) && turns_free(x)) std::erase_if(forces_, of_solid);
-}
-
-/// Do the forces at hand turn a free body that other obstacles hold, so that they are not those of this step?
-bool SurfaceTouches::turns_free(const Points& x) {
-  place_free(x);
-  return std::ranges::any_of(step_->equations.around.free, [&](const FreeMotion& each) {
-    const Vec3 spin = each.spin(free_bodies_[each.index()]) - each.spin(step_->from.free[each.index()]);
-    return step_->h * spin.norm() > most_guessed_turn;
-  });
 }
 
 void SurfaceTouches::hold(State& state) const {
@@ -119,7 +105,6 @@ StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
   solution_.fresh = solution_.settled = solution_.again = false;
   const bool solids = flat_ < int(end_.size());
   if (!free_bodies_.empty()) place_free(problem.x);
-  slack_ = problem.slack + free_doubt_;
   if (solids && !covered_) find_tangents(2 * std::max(tangents_.way(problem.x0, problem.x), way_of_free()));
   if (solids) turn_tangents(problem);
   find_lack();
@@ -165,7 +150,7 @@ StepStatus SurfaceTouches::find_forces(const StepProblem& problem) {
     bool lost = false;
     if (const StepStatus status = press(problem, lost); status != StepStatus::ok) return status;
     const bool found = rubs() ? rub(problem) : !lost;
-    solution_.settled = found && doubt_ <= slack_;
+    solution_.settled = found && doubt_ <= problem.slack;
     if (found) break;
   }
   return StepStatus::ok;
@@ -181,12 +166,12 @@ StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
     if (looks == 0) all_covered();
     list_candidates();
     set_.delassus().set_rows(start_);
-    if (const StepStatus status = set_.solve(candidates_, gap_functions_, slack_, loads_); status != StepStatus::ok) return status;
+    if (const StepStatus status = set_.solve(candidates_, gap_functions_, problem.slack, loads_); status != StepStatus::ok) return status;
     if (set_.pinned_violation() > pin_slack * length_) return StepStatus::pin_behind_plane;
     lost = take_loads() || lost;
     find_move(forces_);
     find_heights(problem);
-    if (in_front(slack_)) return StepStatus::ok;
+    if (in_front(problem.slack)) return StepStatus::ok;
   }
   return StepStatus::not_finite;
 }
@@ -247,12 +232,12 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
     force.push_back(each.force);
     for (int t = 0; t < n; ++t) coulomb_.g.push_back(g.block(each.row, forces_[t].row));
   }
-  coulomb_.exact = exact_roundings * rounding / position_slack * slack_ + doubt_;
+  coulomb_.exact = exact_roundings * rounding / position_slack * problem.slack + doubt_;
   const double missed = rows_.solve(coulomb_, g.operations(), force);
   for (int t = 0; t < n; ++t) forces_[t].force = force[t];
   find_move(forces_);
   find_heights(problem);
-  return missed <= slack_ + doubt_ && in_front(slack_);
+  return missed <= problem.slack + doubt_ && in_front(problem.slack);
 }
 
 /// Are the samples in front of the planes at the gaps at hand, as far as their lists and rounding let know? Looks for them anew where
@@ -357,8 +342,7 @@ void SurfaceTouches::find_reactions(std::vector<Reaction>& reactions) const {
     const int q = each.row.plane;
     reactions.push_back({obstacle_[q], each.row.sample, normals_[q], each.force, !own(each.row)});
     if (own(each.row)) {
-      reactions.back().solid = solid_[q];
-      reactions.back().friction = friction_[q];
+      reactions.back().solid = tangent_of(q).solid;
       reactions.back().begin = begin_of(each.row);
       reactions.back().place = own_[q];
     }

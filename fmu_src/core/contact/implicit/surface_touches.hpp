@@ -71,7 +71,6 @@ class SurfaceTouches final : public ImplicitTouches {
   SolidSample sample_of_row(const SurfaceRow& row, const Points& x) const;
   double way_of_free() const;
   void place_free(const Points& x);
-  bool turns_free(const Points& x);
   void find_lack();
   StepStatus press(const StepProblem& problem, bool& lost);
   void find_loads();
@@ -96,8 +95,7 @@ class SurfaceTouches final : public ImplicitTouches {
   std::vector<HalfSpace> planes_;  ///< at the end of the step
   std::vector<int> obstacle_;      ///< (planes) whose plane it is
   std::vector<double> friction_;   ///< (planes) coefficients
-  std::vector<int> solid_;         ///< (planes) whose own sample it is for; -1: the object's
-  std::vector<Vec3> own_;          ///< (planes) its place
+  std::vector<Vec3> own_;          ///< (planes) place of a solid's own sample
   std::vector<Vec3> normals_;      ///< (planes)
   const Step* step_ = nullptr;     ///< that is open
   bool covered_ = true;            ///< no other sample can have come to a solid
@@ -116,8 +114,6 @@ class SurfaceTouches final : public ImplicitTouches {
   FeasibleSet feasible_;
   double doubt_ = 0;                      ///< rounding of move_ [m]
   std::vector<Wrench> placed_by_, lack_;  ///< by which the free bodies were placed, and what the forces there are beyond it
-  double free_doubt_ = 0;  ///< rounding of where free obstacles are: light ones would go far in a step without the forces on them [m]
-  double slack_ = 0;       ///< of the problem, and that [m]
   bool stale_ = true;
 };
 

@@ -101,7 +101,7 @@ bool SurfaceContact::find_heights(const Points& x1) {
   bool behind = false;
   for (std::size_t q = 0; q < end_.size(); ++q) {
     GapFunction& gap = drift_.gaps[q];
-    if (solid_[q] < 0) {
+    if (alone_[q] < samples_.count()) {
       behind = gap.find(samples_, x1, end_[q].normal, end_[q].offset) || behind;
     } else {
       gap.of_sample = end_[q].gap(tangents_.found()[q - flat_].nearest);
@@ -115,7 +115,7 @@ bool SurfaceContact::find_heights(const Points& x1) {
 void SurfaceContact::find_speeds(const Points& v, int but) {
   for (int q = 0; q < int(end_.size()); ++q) {
     if (q == but) continue;
-    if (solid_[q] < 0)
+    if (alone_[q] < samples_.count())
       close_.gaps[q].find(samples_, v, end_[q].normal, 0);
     else
       close_.gaps[q].of_sample = end_[q].normal.dot(tangents_.found()[q - flat_].velocity);

@@ -109,7 +109,7 @@ class SurfaceContact {
   bool gains(const StepView& step, const Points& x1) const;
   void find_places(const SurfaceStage& stage, const Points& x1);
   /// Is it a row of a solid's own sample?
-  bool own(const SurfaceRow& row) const { return row.plane >= flat_ && solid_[row.plane] >= 0; }
+  bool own(const SurfaceRow& row) const { return !samples_.of_object(row.sample); }
   const Tangent& tangent_of(const SurfaceRow& row) const { return tangents_.found()[row.plane - flat_]; }
   /// Of the sample of a row: at the end of the step that x belongs to, or at its end without contact.
   Vec3 begin_of(const SurfaceRow& row, const Points& x0) const { return own(row) ? tangent_of(row).place : samples_.at(row.sample, x0); }
@@ -149,8 +149,7 @@ class SurfaceContact {
   int flat_ = 0;               ///< number of half-spaces, which come first; then planes of the tangents, one each
   std::vector<int> obstacle_;  ///< whose plane it is
   std::vector<int> alone_;     ///< of a tangent its sample; -1
-  std::vector<int> solid_;     ///< whose own that is; -1
-  std::vector<Vec3> own_;      ///< places of those
+  std::vector<Vec3> own_;      ///< place of a solid's own sample
   SurfaceStage drift_, close_;
   FreeRows free_rows_;
   std::vector<FreeState> free_start_;            ///< at the start of the step

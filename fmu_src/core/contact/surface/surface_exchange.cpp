@@ -41,7 +41,7 @@ double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, dou
 void SurfaceContact::set_free(const Drive& around, const std::vector<FreeState>& free, const Points& x) {
   if (around.free.empty()) return;
   free_rows_.set_bodies(around, free, x, 1, true);
-  free_rows_.set_planes(obstacle_, solid_, own_);
+  free_rows_.set_planes(obstacle_, own_);
   for (SurfaceStage* stage : {&drift_, &close_}) stage->set_free(&free_rows_);
 }
 
@@ -133,8 +133,9 @@ bool SurfaceContact::lift(const StepView& step, int i, const std::vector<FreeSta
 /// Impulse on a solid's own sample by its obstacle [N s]: the free one of them is pushed, the other takes it. Returns the work of that
 /// one's own motion on the free one [J].
 double SurfaceContact::book_own(const StepView& step, const SurfaceRow& row, const Vec3& place, const Vec3& impulse, Exchange& exchange) {
-  const bool free = step.around.planes[solid_[row.plane]].own;
-  const int other = free ? obstacle_[row.plane] : solid_[row.plane];
+  const int solid = tangent_of(row).solid;
+  const bool free = step.around.planes[solid].own;
+  const int other = free ? obstacle_[row.plane] : solid;
   const SolidPose pose = step.around.planes[other].pose_at(step.t1);
   const Vec3 given = free ? impulse : Vec3(-impulse);  // to the free one
   Impulse& taken = exchange.planes[other];

@@ -52,7 +52,6 @@ void SurfaceContact::resize(std::size_t planes) {
   friction_.resize(planes);
   obstacle_.resize(planes);
   alone_.resize(planes);
-  solid_.resize(planes, -1);
   own_.resize(planes, Vec3::Zero());
 }
 
@@ -71,7 +70,6 @@ void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, co
     end_[q] = each.end;
     friction_[q] = each.friction;
     alone_[q] = each.sample;
-    solid_[q] = each.solid;
     own_[q] = each.place;
     obstacle_[q++] = each.obstacle;
   }

@@ -128,26 +128,30 @@ void Tangents::find(const Drive& around, double t0, double t1, const Points& x0,
 /// Of free obstacles and the others.
 void Tangents::find_between(const Drive& around, double t0, double t1, double way) {
   const std::size_t objects = found_.size();
-  const std::vector<Plane>& planes = around.planes;
+  const auto sphere = [](const Plane& solid) { return solid.solid() && samples_of(solid) == 1; };
   for (const FreeMotion& each : around.free) {
-    const int own = each.body().plane;
-    if (own < 0) continue;
-    const SolidPose pose = planes[own].pose_at(t0);
-    const double size = planes[own].size(), fast = way_between(planes[own], t0, t1, size).speed;
-    for (int other = 0; other < int(planes.size()); ++other) {
-      if (planes[other].own) continue;
-      const HalfSpace facing = facing_half_space(planes[other], t0, pose.point);
-      const double arm = (pose.point - facing.point).norm() + size;
-      const double reach = way + (t1 - t0) * (fast + way_between(planes[other], t0, t1, arm).speed) + touching * length_;
-      if (facing.gap(pose.point) - size > reach) continue;
-      const auto sphere = [&](int q) { return planes[q].solid() && samples_of(planes[q]) == 1; };
-      const bool flat = !planes[other].solid();
-      if (sphere(own) || !sphere(other)) meet(around, t0, t1, reach, own, other);
-      if (!flat && !sphere(own)) meet(around, t0, t1, reach, other, own);
+    if (each.body().plane < 0) continue;
+    const Course own = course(around, t0, t1, each.body().plane);
+    const double size = own.plane->size(), fast = way_between(*own.plane, t0, t1, size).speed;
+    for (int q = 0; q < int(around.planes.size()); ++q) {
+      const Plane& plane = around.planes[q];
+      if (plane.own) continue;
+      const HalfSpace facing = facing_half_space(plane, t0, own.start.point);
+      const double arm = (own.start.point - facing.point).norm() + size;
+      const double reach = way + (t1 - t0) * (fast + way_between(plane, t0, t1, arm).speed) + touching * length_;
+      if (facing.gap(own.start.point) - size > reach) continue;
+      const Course other = course(around, t0, t1, q);
+      if (sphere(*own.plane) || !sphere(plane)) meet(own, other, reach);
+      if (plane.solid() && !sphere(*own.plane)) meet(other, own, reach);
     }
   }
   std::sort(found_.begin() + objects, found_.end(),
             [](const Tangent& a, const Tangent& b) { return std::pair(a.obstacle, a.sample) < std::pair(b.obstacle, b.sample); });
+}
+
+Tangents::Course Tangents::course(const Drive& around, double t0, double t1, int obstacle) {
+  const Plane& plane = around.planes[obstacle];
+  return {obstacle, &plane, plane.pose_at(t0), plane.pose_at(0.5 * (t0 + t1)), plane.pose_at(t1)};
 }
 
 void Tangents::find_own(const Drive& around, double time) {
@@ -159,38 +163,38 @@ void Tangents::forget_own() {
   std::erase_if(found_, [](const Tangent& each) { return each.solid >= 0; });
 }
 
-/// One is free; a guide takes what is across it.
-void Tangents::meet(const Drive& around, double t0, double t1, double reach, int solid, int obstacle) {
-  const FreeMotion& own = around.planes[solid].own ? *around.planes[solid].own : *around.planes[obstacle].own;
-  for (int n = 0; n < samples_of(around.planes[solid]); ++n) {
-    const std::optional<Tangent> met = meeting(around, t0, t1, solid, n, obstacle);
-    if (!met || met->start.gap(met->place) > reach) continue;
-    if (own.body().guided() && std::abs(own.body().guide.dot(met->start.normal)) <= along_guide) continue;
-    found_.push_back(*met);
-  }
+void Tangents::meet(const Course& solid, const Course& obstacle, double reach) {
+  for (int n = 0; n < samples_of(*solid.plane); ++n)
+    if (const std::optional<Tangent> met = meeting(solid, n, obstacle, reach)) found_.push_back(*met);
 }
 
-std::optional<Tangent> Tangents::meeting(const Drive& around, double t0, double t1, int solid, int n, int obstacle) const {
-  const Plane &own = around.planes[solid], &other = around.planes[obstacle];
-  const SolidPose start = own.pose_at(t0), end = own.pose_at(t1), before = other.pose_at(t0);
-  const std::optional<SolidSample> sample = sample_of(own, start, n, other, before);
+/// One is free; a guide takes what is across it.
+std::optional<Tangent> Tangents::meeting(const Course& solid, int n, const Course& obstacle, double reach) const {
+  const Plane &own = *solid.plane, &other = *obstacle.plane;
+  const std::optional<SolidSample> sample = sample_of(own, solid.start, n, other, obstacle.start);
   if (!sample) return {};
   const Vec3& place = sample->place;
-  const HalfSpace here = facing_half_space(other, before, sample->facing);
-  const auto later = [&](double time) { return carried(other, before, here, sample->facing, other.pose_at(time)); };
-  Tangent met{obstacle, samples_.count() + most_of_solid * solid + n, here, later(0.5 * (t0 + t1)), later(t1), 0, solid};
-  const Plane& free = own.own ? own : other;
-  met.friction = free.own->body().guided() ? 0 : (own.own ? other : own).friction;
+  const HalfSpace here = facing_half_space(other, obstacle.start, sample->facing);
+  if (here.gap(place) > reach) return {};
+  const FreeBody& free = (own.own ? own : other).own->body();
+  if (free.guided() && std::abs(free.guide.dot(here.normal)) <= along_guide) return {};
+  const auto later = [&](const SolidPose& pose) { return carried(other, obstacle.start, here, sample->facing, pose); };
+  const int number = samples_.count() + most_of_solid * solid.number + n;
+  Tangent met{obstacle.number, number, here, later(obstacle.middle), later(obstacle.end), friction_between(own, other), solid.number};
   met.place = place;
-  met.velocity = start.material_velocity(place);
-  met.flown = taken_along(own, start, place, end);
-  met.nearest = sample_of(own, end, n, other, other.pose_at(t1)).value_or(SolidSample{met.flown, met.flown}).place;
+  met.velocity = solid.start.material_velocity(place);
+  met.flown = taken_along(own, solid.start, place, solid.end);
+  met.nearest = sample_of(own, solid.end, n, other, obstacle.end).value_or(SolidSample{met.flown, met.flown}).place;
   return met;
 }
 
 void Tangents::renew_own(const Drive& around, double time) {
-  for (Tangent& each : found_)
-    if (each.solid >= 0) each = meeting(around, time, time, each.solid, number_of(each), each.obstacle).value_or(each);
+  const double any = std::numeric_limits<double>::infinity();
+  for (Tangent& each : found_) {
+    if (each.solid < 0) continue;
+    const Course solid = course(around, time, time, each.solid), obstacle = course(around, time, time, each.obstacle);
+    each = meeting(solid, number_of(each), obstacle, any).value_or(each);
+  }
 }
 
 double Tangents::gap_of(const Drive& around, const Tangent& own, const SolidPose& of_solid, const SolidPose& of_obstacle) const {

@@ -73,8 +73,15 @@ class Tangents {
     SolidPose pose;
   };
   void find_between(const Drive& around, double t0, double t1, double way);
-  void meet(const Drive& around, double t0, double t1, double reach, int solid, int obstacle);
-  std::optional<Tangent> meeting(const Drive& around, double t0, double t1, int solid, int n, int obstacle) const;
+  /// Of an obstacle in the course of the step.
+  struct Course {
+    int number;
+    const Plane* plane;
+    SolidPose start, middle, end;
+  };
+  static Course course(const Drive& around, double t0, double t1, int obstacle);
+  void meet(const Course& solid, const Course& obstacle, double reach);
+  std::optional<Tangent> meeting(const Course& solid, int n, const Course& obstacle, double reach) const;
   double way_since(const Known& known, const Points& x, const SolidPose& pose, const Plane& solid);
   void list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known);
 
