@@ -112,7 +112,7 @@ Run empty_run(const Definition& definition) {
   if (definition.planes > 0) run.course.neighbour.x = run.course.neighbour.v = Points::Zero(n, 3);
   for (MarkedPoints* points : {&motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside}) points->change().setZero(n, 3);
   motion.free.resize(definition.free.size());
-  run.course.neighbour.free = motion.free;
+  run.course.neighbour.free.resize(definition.free.size());
   motion.holds.assign(definition.planes, Points::Zero(n, 3));
   if (definition.samples && definition.planes > 0) {
     const int rows = std::min({most_surface_rows, 3 * n, definition.samples->count() * definition.planes});

@@ -231,6 +231,18 @@ void book_unknown_phase(const StepContext& context, const State& state, double e
   stiff.unknown = std::sqrt(power(stiff.unknown, 2) + power(added, 2));
 }
 
+FreeApart free_apart(const StepContext& context, const FreeMotion& body, const FreeState& a, const FreeState& b) {
+  const int q = body.body().plane;
+  const double size = q >= 0 ? context.drive.planes[q].size() : context.model.body.length;
+  return {(a.position - b.position).norm() + size * (axes_of(a.orientation) - axes_of(b.orientation)).norm(),
+          (a.velocity - b.velocity).norm() + size * (body.spin(a) - body.spin(b)).norm()};
+}
+
+double swing_time(const StepContext& context, const FreeMotion& body) {
+  const double period = slowest_period(context) * std::sqrt(1 + body.mass() / context.model.body.mass.sum());
+  return std::min(period, left_of_run(context));
+}
+
 double free_bodies_apart(const StepContext& context, const State& a, const State& b, bool swing) {
   const Path& path = context.run.path;
   const std::vector<Count>& rows = is_implicit(context.run.course.method) ? path.motion.held_rows.rows : path.surface.drift;
@@ -238,15 +250,9 @@ double free_bodies_apart(const StepContext& context, const State& a, const State
   const double left = left_of_run(context);
   double most = 0;
   for (const FreeMotion& each : context.drive.free) {
-    const FreeState &one = a.free[each.index()], &other = b.free[each.index()];
-    const int q = each.body().plane;
-    const double size = q >= 0 ? context.drive.planes[q].size() : context.model.body.length;
-    const double turned = (axes_of(one.orientation) - axes_of(other.orientation)).norm();
-    const double place = (one.position - other.position).norm() + size * turned;
-    const double speed = (one.velocity - other.velocity).norm() + size * (each.spin(one) - each.spin(other)).norm();
+    const auto [place, speed] = free_apart(context, each, a.free[each.index()], b.free[each.index()]);
     const bool lasts = touches || (each.part() && context.drive.held());
-    const double period = slowest_period(context) * std::sqrt(1 + each.mass() / context.model.body.mass.sum());
-    most = worse(most, std::max(place, speed * (lasts ? std::min(period, left) : left)));
+    most = worse(most, std::max(place, speed * (lasts ? swing_time(context, each) : left)));
   }
   return most;
 }

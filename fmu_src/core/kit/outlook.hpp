@@ -45,6 +45,13 @@ Outlook outlook_of_stiff(const StepContext& context, const State& state);
 /// An impact begins: books what the phase of the vibrations that the body brings, of this energy [J] and frequency [rad/s], not being known
 /// may add to the error. Each impact has a phase of its own. known: error of the places at the impact [m].
 void book_unknown_phase(const StepContext& context, const State& state, double energy, double frequency, double known);
+/// By how much two states of free bodies differ now, at the farthest of what turns with each, and how fast that grows where they fly.
+struct FreeApart {
+  double place = 0, speed = 0;  ///< [m, m/s]
+};
+FreeApart free_apart(const StepContext& context, const FreeMotion& body, const FreeState& a, const FreeState& b);
+/// How long a difference of its velocity lasts where it swings with the object [s].
+double swing_time(const StepContext& context, const FreeMotion& body);
 /// Of free bodies, the part of what two states differ by now, and what their velocities make of it [m]: what touches the object, or always
 /// where `swing`, swings with it, and so does a part that is bonded to a body that other pins hold; what flies goes on.
 double free_bodies_apart(const StepContext& context, const State& a, const State& b, bool swing);

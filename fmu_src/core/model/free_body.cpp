@@ -30,12 +30,24 @@ std::array<double, 4> unit(const Quaternion& q) {
 
 }  // namespace
 
-std::array<double, 4> turned(const std::array<double, 4>& orientation, const Vec3& by) {
-  const std::array<double, 4> turn = quaternion(by);
-  const Vec3 a(turn[1], turn[2], turn[3]), b(orientation[1], orientation[2], orientation[3]);
+std::array<double, 4> turned(const std::array<double, 4>& orientation, const std::array<double, 4>& by) {
+  const Vec3 a(by[1], by[2], by[3]), b(orientation[1], orientation[2], orientation[3]);
   Quaternion product;
-  product << turn[0] * orientation[0] - a.dot(b), turn[0] * b + orientation[0] * a + a.cross(b);
+  product << by[0] * orientation[0] - a.dot(b), by[0] * b + orientation[0] * a + a.cross(b);
   return unit(product);
+}
+
+std::array<double, 4> turned(const std::array<double, 4>& orientation, const Vec3& by) { return turned(orientation, quaternion(by)); }
+
+FreeState difference(const FreeState& from, const FreeState& to) {
+  const auto& [w, x, y, z] = from.orientation;
+  return {to.time - from.time, to.position - from.position, turned({w, -x, -y, -z}, to.orientation), to.velocity - from.velocity,
+          to.momentum - from.momentum};
+}
+
+FreeState beside(const FreeState& from, const FreeState& difference) {
+  return {from.time + difference.time, from.position + difference.position, turned(from.orientation, difference.orientation),
+          from.velocity + difference.velocity, from.momentum + difference.momentum};
 }
 
 Eigen::Matrix3d axes_of(const std::array<double, 4>& orientation) {

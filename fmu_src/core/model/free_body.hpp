@@ -109,8 +109,13 @@ class FreeMotion {
   double since_ = 0;
 };
 
-/// The orientation turned by a rotation vector [rad] of the world.
+/// The orientation turned by a rotation vector [rad] of the world, or by a unit quaternion.
 std::array<double, 4> turned(const std::array<double, 4>& orientation, const Vec3& by);
+std::array<double, 4> turned(const std::array<double, 4>& orientation, const std::array<double, 4>& by);
+/// What takes a state to another one: the change of each of its vectors, and the turn of its axes.
+FreeState difference(const FreeState& from, const FreeState& to);
+/// Where a state goes by that.
+FreeState beside(const FreeState& from, const FreeState& difference);
 /// Its axes in columns.
 Eigen::Matrix3d axes_of(const std::array<double, 4>& orientation);
 

@@ -77,7 +77,7 @@ static_assert(visits_every_field<Drift>);
 /// errors (stepping/landings.hpp). Empty without obstacles.
 struct Neighbour {
   Points x, v;                    ///< while it takes the path's steps, its own; else by what it differed when it last did [m, m/s]
-  std::vector<FreeState> free{};  ///< bodies, its own while it takes them
+  std::vector<FreeState> free{};  ///< bodies, likewise
   bool follows = false;           ///< takes them
   double impact = 0;              ///< time of the path's last one [s]
   Drift off{};                    ///< it from the path
@@ -86,6 +86,7 @@ struct Neighbour {
   void forget() {
     x.setZero();
     v.setZero();
+    free.assign(free.size(), {});
     follows = false;
   }
 

@@ -18,6 +18,9 @@ namespace thresholds {
 
 /// Of the neighbour for one of the path at an impact [1].
 constexpr Count impact_steps = 8;
+/// To bring the neighbour out of obstacles; of a guided one's way, the least along the normal [1].
+constexpr int most_ways_out = 4;
+constexpr double least_share_of_guide = 0.1;
 
 }  // namespace thresholds
 
@@ -40,14 +43,21 @@ void add(const Vec3& shift, Points& x) {
 void fly_on(const Body& body, const State& begin, const RigidMotion& rigid, const Vec3& normal, Neighbour& neighbour) {
   const double time = begin.time - neighbour.off.time;
   const RigidMotion apart = rigid_motion(body.mass, begin.x, neighbour.v);
-  const Eigen::Matrix3d turn = rotation_by(time * rigid.spin);
+  const Eigen::Matrix3d turn = rotation_by(time * rigid.spin), swing = rotation_by(time * apart.spin);
   for (int p = 0; p < body.points(); ++p) {
-    const Vec3 way = time * (apart.velocity + apart.spin.cross(row(begin.x, p) - apart.centre));
-    set_row(neighbour.x, p, turn * row(neighbour.x, p) + way);
+    const Vec3 arm = row(begin.x, p) - apart.centre;
+    set_row(neighbour.x, p, time * apart.velocity + swing * (arm + turn * row(neighbour.x, p)) - arm);
     set_row(neighbour.v, p, turn * row(neighbour.v, p));
   }
   const Vec3 whole = mean(body.mass, neighbour.x);
   add(std::copysign(whole.norm(), whole.dot(normal)) * normal - whole, neighbour.x);
+}
+
+/// A free body's state that differed by this so long ago.
+FreeState fly_beside(const FreeMotion& body, const FreeState& path, FreeState apart, double time) {
+  apart.position += time * apart.velocity;
+  apart.orientation = turned(apart.orientation, time * (body.spin(beside(path, apart)) - body.spin(path)));
+  return beside(path, apart);
 }
 
 /// Moves vibrations on in their phase until a place is off by so much [m], though not by more than they are large.
@@ -64,11 +74,30 @@ void shift_phase(const Body& body, const State& begin, const RigidMotion& rigid,
 }
 
 /// The same time in steps that are out of phase with the path's: what comes onto an obstacle in which step is then not the same by
-/// accident. At an impact they are many times shorter: what comes within a step is taken to come at once, and which place comes first
-/// decides.
-Span out_of_phase(const Span& span, bool impact) {
-  const Count steps = (impact ? use::impact_steps : 1) * span.steps + 1;
+/// accident. Where impacts begin they are many times shorter: what comes within a step is taken to come at once, and which place comes
+/// first decides.
+Span out_of_phase(const Span& span, bool begins) {
+  const Count steps = (begins ? use::impact_steps : 1) * span.steps + 1;
   return {span.origin, 0, span.h * double(span.steps) / double(steps), steps};
+}
+
+/// Moves what is behind an obstacle out of it, or a free obstacle. Returns whether anything is, and can be.
+bool move_out(const StepContext& context, const NearestObstacle& nearest, Points& x) {
+  if (!(nearest.gap < 0)) return false;
+  const Vec3& normal = nearest.obstacle.normal;
+  if (const FreeMotion* free = nearest.plane->own) {
+    const Vec3 along = free->body().guided() ? free->body().guide : normal;
+    const double share = along.dot(normal);
+    if (std::abs(share) < use::least_share_of_guide) return false;
+    context.run.path.motion.free[free->index()].position += nearest.gap / share * along;
+    return true;
+  }
+  if (context.drive.held()) return false;
+  const Vec3 way = -nearest.gap * normal;
+  add(way, x);
+  for (const FreeMotion& each : context.drive.free)
+    if (each.part()) context.run.path.motion.free[each.index()].position += way;
+  return true;
 }
 
 /// A landing begins: the neighbour goes on from beside the path. beside: scratch.
@@ -81,11 +110,17 @@ void set_beside(const StepContext& context, const State& begin, State& beside) {
   if (neighbour.x.abs().maxCoeff() < least) shift_phase(body, begin, rigid, least, neighbour.x);
   beside.time = begin.time;
   beside.x = begin.x + neighbour.x;
-  const NearestObstacle nearest = nearest_obstacle(context, beside);
-  if (nearest.gap < 0 && context.drive.pins.empty()) add(-nearest.gap * nearest.obstacle.normal, beside.x);
+  for (const FreeMotion& each : context.drive.free) {
+    const FreeState& path = begin.free[each.index()];
+    FreeState& own = neighbour.free[each.index()];
+    own = fly_beside(each, path, own, begin.time - neighbour.off.time);
+  }
+  context.run.path.motion.free = neighbour.free;
+  for (int round = 0; round < use::most_ways_out; ++round)
+    if (!move_out(context, nearest_obstacle(context, beside), beside.x)) break;
   neighbour.x = beside.x;
-  neighbour.free = begin.free;
   neighbour.v += begin.v;
+  neighbour.free = context.run.path.motion.free;
   neighbour.follows = true;
 }
 
@@ -108,9 +143,14 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
   Neighbour& neighbour = context.run.course.neighbour;
   if (neighbour.follows && neighbour.off.time != begin.time) neighbour.forget();  // other steps came between
   if (!neighbour.follows) {
-    if (!impact || !off_obstacles(context, begin.time, begin.x)) return;
-    set_beside(context, begin, path_.motion);
+    if (!impact) return;
+    std::vector<FreeState> end = begin.free;  // free obstacles are where they were
+    end.swap(path.motion.free);
+    if (off_obstacles(context, begin.time, begin.x)) set_beside(context, begin, path_.motion);
+    end.swap(path.motion.free);
+    if (!neighbour.follows) return;
   }
+  const bool begins = impact && neighbour.impact != begin.time;
   if (impact) neighbour.impact = path.motion.time;
   Snapshot snapshot(path, path_);
   path.motion.x = neighbour.x;
@@ -118,17 +158,22 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
   path.motion.free = neighbour.free;
   path.motion.time = begin.time;
   context.model.body.internal_force(path.motion.x, path.motion.spring);
-  const Outcome outcome = integrators.take(context, method, method == Method::leapfrog ? out_of_phase(span, impact) : span);
+  const Outcome outcome = integrators.take(context, method, method == Method::leapfrog ? out_of_phase(span, begins) : span);
   neighbour.x = path.motion.x;
   neighbour.v = path.motion.v;
   neighbour.free = path.motion.free;
+  const bool alone = off_obstacles(context, path.motion.time, path.motion.x);
   snapshot.rollback();
   snapshot.commit();
   const Points& x = path.motion.x;
   const double place = (neighbour.x - x).abs().maxCoeff();
   if (outcome.status != StepStatus::ok || !std::isfinite(place)) return neighbour.forget();
   neighbour.off = {place, 0, path.motion.time};
-  const bool flies = off_obstacles(context, path.motion.time, x) && off_obstacles(context, path.motion.time, neighbour.x);
+  for (const FreeMotion& each : context.drive.free) {
+    const std::size_t k = each.index();
+    neighbour.off.place = worse(neighbour.off.place, free_apart(context, each, path.motion.free[k], neighbour.free[k]).place);
+  }
+  const bool flies = alone && off_obstacles(context, path.motion.time, x);
   if (flies || path.motion.time - neighbour.impact > slowest_period(context)) part(context, flies);
 }
 
@@ -140,15 +185,27 @@ void Landings::part(const StepContext& context, bool flies) {
   neighbour.x -= motion.x;
   neighbour.v -= motion.v;
   neighbour.follows = false;
+  for (const FreeMotion& each : context.drive.free) {
+    const FreeState& path = motion.free[each.index()];
+    FreeState& own = neighbour.free[each.index()];
+    const auto [place, speed] = free_apart(context, each, path, own);
+    if (flies)
+      neighbour.off.speed = std::max(neighbour.off.speed, speed);
+    else
+      neighbour.off.place = std::max(neighbour.off.place, swing_time(context, each) * speed);
+    own = difference(path, own);
+  }
+  if (std::ranges::any_of(context.drive.free, &FreeMotion::part)) return neighbour.forget();  // a difference would tear it off
   if (!context.drive.pins.empty()) return;
   const RigidMotion apart = rigid_motion(body.mass, motion.x, neighbour.v);
   if (flies) {
-    neighbour.off.speed = apart.velocity.norm() + radius_about(apart.centre, motion.x) * apart.spin.norm();
+    const double speed = apart.velocity.norm() + radius_about(apart.centre, motion.x) * apart.spin.norm();
+    neighbour.off.speed = std::max(neighbour.off.speed, speed);
     return;
   }
   const Drift slides = sliding_apart(context, apart.velocity);
   neighbour.off.place += slides.place;
-  neighbour.off.speed = slides.speed;
+  neighbour.off.speed = std::max(neighbour.off.speed, slides.speed);
   for (int p = 0; p < body.points(); ++p)
     set_row(neighbour.v, p, row(neighbour.v, p) - apart.velocity - apart.spin.cross(row(motion.x, p) - apart.centre));
 }

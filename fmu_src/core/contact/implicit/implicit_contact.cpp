@@ -57,7 +57,9 @@ StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double 
 /// count: what it loses beyond dampers and friction.
 StepStatus ImplicitContact::take_euler(const Step& step, bool watch, State& state, Exchange& exchange, bool count) {
   ++steps_;
+  open(step);
   if (const StepStatus status = stage_.solve(step); status != StepStatus::ok) return status;
+  add_torques(step.h);
   const double outside = (stage_.force() * (stage_.x - state.x)).sum(), work = stage_.contact_work(step);
   const Drive& around = step.equations.around;
   const double ramp = around.ramped ? around.ramp_dot(step.loads_at, stage_.x - state.x) : 0;
@@ -67,6 +69,7 @@ StepStatus ImplicitContact::take_euler(const Step& step, bool watch, State& stat
   given_ += stage_.given_by_contacts(step, work);
   slip_.add(stage_.slip_of_contacts(step));
   if (count) lost_ -= step.h * stage_.lost_power(step);
+  turn_back(watch, exchange);
   take(state);
   return StepStatus::ok;
 }
@@ -87,8 +90,10 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   const double part = gamma * h, rest = (1 - gamma) * h, weight = (1 - gamma) / gamma;
   const double way = span.way;
   const Step first{equations, t, part, state, t + part, &state.v, span.again, way, accuracy};
+  open(first);
   if (const StepStatus status = stage_.solve(first); status != StepStatus::ok) return status;
   if (stage_.strikes(first)) return strike(equations, t, h, watch, state, exchange);
+  add_torques(rest);
   const auto work_of_loads = [&](const auto& v) { return (stage_.force() * v).sum(); };
   const auto work_of_ramps = [&](double time, const Points& v) { return equations.around.ramped ? equations.around.ramp_dot(time, v) : 0; };
   double outside = rest * work_of_loads(stage_.v), ramp = rest * work_of_ramps(t + part, stage_.v);
@@ -117,6 +122,7 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
     exchange = before_;
     return strike(equations, t, h, watch, state, exchange);
   }
+  add_torques(part);
   outside += part * work_of_loads(stage_.v);
   ramp += part * work_of_ramps(t + h, stage_.v);
   work += stage_.contact_work(second);
@@ -134,6 +140,7 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
     const Vec3 bend = at_begin * state.free[k].velocity + at_stage * first_free_[k].velocity + at_end * stage_.free[k].velocity;
     bend_ = std::max(bend_, h * bend.cwiseAbs().maxCoeff());
   }
+  turn_back(watch, exchange);
   take(state);
   return StepStatus::ok;
 }
@@ -174,6 +181,24 @@ bool ImplicitContact::close(const Step& step, double outside, double work, bool 
     exchange.dissipated += loss;
   }
   return true;
+}
+
+void ImplicitContact::open(const Step& step) {
+  alone_ = Isolated::is(step.equations);
+  if (alone_) isolated_.begin(step.equations, step.from);
+}
+
+/// Of the outside, for so long as at the stage.
+void ImplicitContact::add_torques(double weight) {
+  if (alone_) isolated_.add(weight, stage_.force(), stage_.x, stage_.free);
+}
+
+/// Gives back what angular momentum the step has lost.
+void ImplicitContact::turn_back(bool watch, Exchange& exchange) {
+  if (!alone_) return;
+  const double given = isolated_.give_back(stage_.x, stage_.v, stage_.free);
+  if (watch) exchange.dissipated -= given;
+  lost_ -= given;
 }
 
 double ImplicitContact::kept(double angle) { return hypotenuse(1, (1 - 2 * gamma) * angle) / (1 + gamma * gamma * angle * angle); }

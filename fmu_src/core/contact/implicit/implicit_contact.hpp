@@ -15,6 +15,7 @@
 /// work and losses of the step are (1 - g) / g times those of stage 1 and those of stage 2. A step in which a place strikes an obstacle is
 /// one of backward Euler: the second stage would throw back what the first one stops.
 #pragma once
+#include "contact/free/isolated.hpp"
 #include "contact/implicit/implicit_stage.hpp"
 
 namespace softffd {
@@ -67,6 +68,9 @@ class ImplicitContact {
   StepStatus take_sdirk2(const Equations& equations, double t, double h, const Span& span, bool watch, State& state, Exchange& exchange);
   StepStatus strike(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
   bool close(const Step& step, double outside, double work, bool watch, double ramp_work, Exchange& exchange);
+  void open(const Step& step);
+  void add_torques(double weight);
+  void turn_back(bool watch, Exchange& exchange);
   void take(State& state);
 
   ImplicitStage stage_;
@@ -77,6 +81,8 @@ class ImplicitContact {
   Slip slip_;             ///< of the call
   double free_work_ = 0;  ///< of free bodies on the object in the step [J]
   std::vector<FreeState> first_free_;
+  Isolated isolated_;
+  bool alone_ = false;  ///< object and free bodies are isolated
   double bend_ = 0, lost_ = 0;
   Count steps_ = 0, halvings_ = 0;
 };
