@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "body/rigid_motion.hpp"
+#include "contact/surface/tangents.hpp"
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
 #include "model/rotation.hpp"
@@ -174,28 +175,58 @@ double ModalFlight::least_gap(const Body& body, const HalfSpace& obstacle, bool 
   return centre + least;
 }
 
+ModalFlight::Nearing ModalFlight::nearing(const Body& body, const Plane& plane, bool still) {
+  const HalfSpace obstacle = plane.at(t_);
+  const Vec3 relative = rigid_.velocity - obstacle.material_velocity(rigid_.centre);
+  const double far = (rigid_.centre - obstacle.point).norm() + modes_.radius, turning = obstacle.spin.norm();
+  const double speed = std::max(0.0, -obstacle.normal.dot(relative)) + (rigid_.spin - obstacle.spin).norm() * modes_.radius;
+  const double acceleration = (rigid_.acceleration - plane.acceleration).norm() + rigid_.spin_rate.norm() * modes_.radius +
+                              plane.angular_acceleration.norm() * far + turning * (2 * relative.norm() + turning * far);
+  return {least_gap(body, obstacle, still), speed, acceleration};
+}
+
+/// In any direction, for at most so long.
+ModalFlight::Nearing ModalFlight::nearing_solid(const Body& body, const Plane& solid, bool still, double time) const {
+  const SolidPose pose = solid.pose_at(t_);
+  const HalfSpace facing = tangent(solid, pose, rigid_.centre);
+  double gap = facing.gap(rigid_.centre) - modes_.radius - (still ? 0 : way_.maxCoeff());
+  if (gap < modes_.radius) {  // where it is near the sum of the bounds is not good enough
+    const Matrix axes = rigid_.turn * attitude_;
+    gap = std::numeric_limits<double>::infinity();
+    for (int s = 0; s < body.samples->count(); ++s) {
+      const Vec3 place = rigid_.centre + axes * body.samples->at(s, modes_.arms);
+      gap = std::min(gap, tangent(solid, pose, place).gap(place) - (still ? 0 : body.samples->at(s, way_.data())));
+    }
+  }
+  double spin = pose.spin.norm(), spin_rate = solid.angular_acceleration.norm();
+  Vec3 acceleration = solid.acceleration;
+  if (const FreeMotion* free = solid.own) {
+    const FreeState state = free->at(t_);
+    const auto [force, torque] = free->loads(state);
+    acceleration = free->inverse_mass() * force;
+    spin = free->inverse_inertia(state).norm() * (state.momentum.norm() + time * torque.norm());
+    spin_rate = 0;
+  }
+  return {gap, (rigid_.velocity - pose.velocity).norm() + rigid_.spin.norm() * modes_.radius + spin * solid.size(),
+          (rigid_.acceleration - acceleration).norm() + rigid_.spin_rate.norm() * modes_.radius + spin_rate * solid.size()};
+}
+
 double ModalFlight::until_touch(const Equations& equations, double most, double shortest, bool still) {
   for (int a = 0; a < q_.size(); ++a) {
     const double w = q_rate_[a] / modes_.frequency[a];
     amplitude_[a] = std::sqrt(q_[a] * q_[a] + w * w);
   }
   way_.matrix().noalias() = modes_.excursion * amplitude_;
-  const double radius = modes_.radius;
   double gone = 0;
   for (int i = 0; i < most_advances && gone < most; ++i) {
     const double longest = body_.longest_step();
     double step = most - gone;
     bool touch = false;
     for (const Plane& plane : equations.around.planes) {
-      const HalfSpace obstacle = plane.at(t_);
-      const double gap = least_gap(equations.body, obstacle, still) - near_enough * equations.body.length;
+      const Nearing at = plane.solid() ? nearing_solid(equations.body, plane, still, most - gone) : nearing(equations.body, plane, still);
+      const double gap = at.gap - near_enough * equations.body.length;
       if (gap <= 0) touch = true;
-      const Vec3 relative = rigid_.velocity - obstacle.material_velocity(rigid_.centre);
-      const double far = (rigid_.centre - obstacle.point).norm() + radius, turning = obstacle.spin.norm();
-      const double speed = std::max(0.0, -obstacle.normal.dot(relative)) + (rigid_.spin - obstacle.spin).norm() * radius;
-      const double acceleration = (rigid_.acceleration - plane.acceleration).norm() + rigid_.spin_rate.norm() * radius +
-                                  plane.angular_acceleration.norm() * far + turning * (2 * relative.norm() + turning * far);
-      const double fastest = speed + std::sqrt(speed * speed + 2 * acceleration * std::max(gap, 0.0));
+      const double fastest = at.speed + std::sqrt(at.speed * at.speed + 2 * at.acceleration * std::max(gap, 0.0));
       if (fastest > 0) step = std::min(step, 2 * gap / fastest);
     }
     if (touch) break;

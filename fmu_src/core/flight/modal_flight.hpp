@@ -59,6 +59,12 @@ class ModalFlight {
   void vibrate(double time);
   void turn_group(int first, int count, double time, const Vec3& spin);
   Vec3 inner_momentum(double spin) const;
+  /// How an obstacle stands to the body: the least gap [m], bounds of the speed and the acceleration at which it closes [m/s, m/s2].
+  struct Nearing {
+    double gap, speed, acceleration;
+  };
+  Nearing nearing(const Body& body, const Plane& plane, bool still);
+  Nearing nearing_solid(const Body& body, const Plane& solid, bool still, double time) const;
   double least_gap(const Body& body, const HalfSpace& obstacle, bool still);
 
   Points rest_;

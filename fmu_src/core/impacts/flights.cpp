@@ -62,7 +62,9 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
   bool touches = free < most;
   if (!(touches && free < use::shortest_flight * at.limit)) {
     flight_.leave(context.equations(), motion);
-    motion.time = touches ? begun + free : at.end;
+    const double landing = touches ? begun + free : at.end;
+    for (const FreeMotion& each : context.drive.free) motion.free[each.index()] = each.flown(motion.free[each.index()], landing);
+    motion.time = landing;
     context.run.course.work += use::flight_work;
     at.integrators.budget().spend(use::entry_work + use::flight_work);
     context.run.course.method = Method::floating_frame;

@@ -77,9 +77,12 @@ void displace(const StepContext& context, double way) {
     set_row(motion.x, p, rigid.centre + share * stiff.error_velocity + turn * (row(motion.x, p) - rigid.centre));
     set_row(motion.v, p, rigid.velocity + turn * (row(motion.v, p) - rigid.velocity));
   }
-  const NearestObstacle now = nearest_obstacle(context, motion);
-  const double nearer = gap - now.gap;
-  for (int axis = 0; axis < 3; ++axis) motion.x.col(axis) += nearer * now.obstacle.normal[axis];
+  for (int round = 0; round < use::most_ways_out; ++round) {  // more than one where the obstacle is a solid
+    const NearestObstacle now = nearest_obstacle(context, motion);
+    const double nearer = gap - now.gap;
+    if (round > 0 && nearer <= touching * body.length) break;
+    for (int axis = 0; axis < 3; ++axis) motion.x.col(axis) += nearer * now.obstacle.normal[axis];
+  }
   body.internal_force(motion.x, motion.spring);
 }
 
@@ -220,7 +223,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
     const bool touched = path.exchange.contacts_resolved != contacts;
     const double period = slowest_period(context);
     const bool heard = double(stiff.looks) >= std::max(double(use::least_looks << stiff.doubts), period / stretch);
-    const bool rests = heard && (touched || !context.drive.pins.empty()) && quiet(context);
+    const bool rests = heard && !context.drive.planes.back().solid() && (touched || !context.drive.pins.empty()) && quiet(context);
     if (heard) {
       stiff.pressing = stiff.impulse / stiff.listened;
       stiff.looks = 0;

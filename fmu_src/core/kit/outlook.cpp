@@ -53,6 +53,12 @@ Vec3 whole_acceleration(const StepContext& context) {
   return sum / context.model.body.mass.sum();
 }
 
+/// Of an obstacle, a free one in flight [m/s2].
+Vec3 acceleration_of(const Plane& obstacle, const State& state) {
+  if (!obstacle.own) return obstacle.acceleration;
+  return obstacle.own->inverse_mass() * obstacle.own->loads(state.free[obstacle.own->index()]).force;
+}
+
 /// Whether obstacles hold the body from two sides.
 bool squeezed(const StepContext& context, const State& state) {
   const double touch = touching * context.model.body.length;
@@ -96,7 +102,7 @@ void look_for_fall(const StepContext& context, const State& state, Outlook& ahea
   const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
   const auto [plane, obstacle, gap] = nearest_obstacle(context, state);
   const double snug = use::snug * body.length, height = obstacle.gap(motion.centre);
-  Vec3 pull = tangential(ahead.normal, whole_acceleration(context) - plane->acceleration);
+  Vec3 pull = tangential(ahead.normal, whole_acceleration(context) - acceleration_of(*plane, state));
   const double most = plane->friction * ahead.pressing;
   if (pull.norm() > most) pull *= most / pull.norm();
   const Vec3 aim = motion.centre + height / ahead.pressing * pull;
@@ -190,7 +196,7 @@ double approach_speed(const StepContext& context, const State& state, const Rigi
 
 Outlook outlook(const StepContext& context, const State& state) {
   const auto [plane, obstacle, gap] = nearest_obstacle(context, state);
-  const Vec3 pushed = plane->acceleration - whole_acceleration(context);
+  const Vec3 pushed = acceleration_of(*plane, state) - whole_acceleration(context);
   const double left = left_of_run(context), pressing = pushed.dot(obstacle.normal);
   Outlook ahead{obstacle.normal, left, left, left, pressing};
   if (context.drive.held()) return ahead;

@@ -18,8 +18,7 @@ namespace thresholds {
 
 /// Of the neighbour for one of the path at an impact [1].
 constexpr Count impact_steps = 8;
-/// To bring the neighbour out of obstacles; of a guided one's way, the least along the normal [1].
-constexpr int most_ways_out = 4;
+/// Of a guided obstacle's way out, the least along the normal [1].
 constexpr double least_share_of_guide = 0.1;
 
 }  // namespace thresholds

@@ -55,10 +55,12 @@ Facts Propagator::facts(const StepContext& context, double H) const {
   facts.surface = facts.obstacles && context.model.body.samples;
   facts.pins = !context.drive.pins.empty();
   facts.explicit_alone = context.model.body.explicit_alone;
-  if (facts.obstacles && (context.drive.planes.back().solid() || !context.drive.free.empty())) {  // flights and rests know planes alone
+  const Drive& around = context.drive;
+  if (facts.obstacles && (around.planes.back().solid() || !around.free.empty())) {  // flights know these, and nothing else does
     facts.clear = false;
     facts.within_reach = true;
-    facts.stiffness = 0;
+    const bool others = std::ranges::any_of(around.planes, [](const Plane& plane) { return !plane.own; });
+    if (facts.pins || (!around.free.empty() && others)) facts.stiffness = 0;  // free obstacles may meet others
   }
   return facts;
 }
