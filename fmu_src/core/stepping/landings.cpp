@@ -73,10 +73,10 @@ void shift_phase(const Body& body, const State& begin, const RigidMotion& rigid,
 }
 
 /// The same time in steps that are out of phase with the path's: what comes onto an obstacle in which step is then not the same by
-/// accident. Where impacts begin they are many times shorter: what comes within a step is taken to come at once, and which place comes
+/// accident. Where it lands they are many times shorter: what comes within a step is taken to come at once, and which place comes
 /// first decides.
-Span out_of_phase(const Span& span, bool begins) {
-  const Count steps = (begins ? use::impact_steps : 1) * span.steps + 1;
+Span out_of_phase(const Span& span, bool lands) {
+  const Count steps = (lands ? use::impact_steps : 1) * span.steps + 1;
   return {span.origin, 0, span.h * double(span.steps) / double(steps), steps};
 }
 
@@ -121,6 +121,7 @@ void set_beside(const StepContext& context, const State& begin, State& beside) {
   neighbour.v += begin.v;
   neighbour.free = context.run.path.motion.free;
   neighbour.follows = true;
+  neighbour.began = begin.time;
 }
 
 /// What is left of a difference of velocities where the body stays on its obstacle: along it, until friction has stopped the body.
@@ -149,7 +150,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
     end.swap(path.motion.free);
     if (!neighbour.follows) return;
   }
-  const bool begins = impact && neighbour.impact != begin.time;
+  const bool lands = impact && begin.time - neighbour.began <= slowest_period(context);  // else it rattles
   if (impact) neighbour.impact = path.motion.time;
   Snapshot snapshot(path, path_);
   path.motion.x = neighbour.x;
@@ -157,7 +158,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
   path.motion.free = neighbour.free;
   path.motion.time = begin.time;
   context.model.body.internal_force(path.motion.x, path.motion.spring);
-  const Outcome outcome = integrators.take(context, method, method == Method::leapfrog ? out_of_phase(span, begins) : span);
+  const Outcome outcome = integrators.take(context, method, method == Method::leapfrog ? out_of_phase(span, lands) : span);
   neighbour.x = path.motion.x;
   neighbour.v = path.motion.v;
   neighbour.free = path.motion.free;
