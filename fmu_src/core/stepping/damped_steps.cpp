@@ -61,11 +61,15 @@ Outlook ahead(const StepContext& context) {
   return ahead;
 }
 
-/// Of an explicit step's two stages of contact with free obstacles, by the rows of the last step of either kind.
+/// Of an explicit step's two stages of contact with free obstacles, by the rows of the last step of either kind, or by what touched them
+/// when the communication step began.
 double work_of_free_rows(const StepContext& context) {
   if (std::ranges::all_of(context.drive.free, &FreeMotion::part)) return 0;
   const auto number = [](const std::vector<Count>& of) { return double(std::ranges::count_if(of, [](Count row) { return row >= 0; })); };
-  const double rows = std::max(number(context.run.path.motion.held_rows.rows), number(context.run.path.surface.drift));
+  double rows = std::max(number(context.run.path.motion.held_rows.rows), number(context.run.path.surface.drift)), touch = 0;
+  for (const FreeMotion& each : context.drive.free)
+    if (!each.part()) touch += double(context.run.contacts[each.body().plane]);
+  rows = std::max(rows, touch);
   return use::free_row_work * rows * rows * rows / Operations::in_evaluation(context.model.body.points());
 }
 

@@ -35,8 +35,7 @@ def of_mass(folder, pad, mass, *, guided: bool) -> float:
     return steps(folder, pad, free, lambda t: {"box.lid.force.z": -FORCE * min(1.0, t / RISE)})
 
 
-CASES = [("solid", 1e-3), ("solid", 1e1), ("solid", 1e4), *(("springs", mass) for mass in (1e-3, 1e-1, 1e1, 1e4))]
-"""Of 0.1 kg on the solid three times as many as the plate takes are needed, nearly all of them as the force begins."""
+CASES = [(pad, mass) for pad in PADS for mass in (1e-3, 1e-1, 1e1, 1e4)]
 
 
 @pytest.mark.short("springs-0.001-loose", "solid-10000.0-guided")
