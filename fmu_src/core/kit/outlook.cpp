@@ -22,6 +22,8 @@ constexpr double period_per_time_scale = 26;
 constexpr double least_left = 0.02;
 /// Periods of the slowest vibration that a difference of velocities lasts at least.
 constexpr double memory_periods = 10;
+/// Of the outside's acceleration, what is rounding in that towards an obstacle [1].
+constexpr double least_pressing = 1e-6;
 /// Cosine of two normals below which obstacles hold a body from two sides [1].
 constexpr double opposite = -0.5;
 /// Share of the speed of turning in that of approach that the next rebound may feel [1].
@@ -197,7 +199,8 @@ double approach_speed(const StepContext& context, const State& state, const Rigi
 Outlook outlook(const StepContext& context, const State& state) {
   const auto [plane, obstacle, gap] = nearest_obstacle(context, state);
   const Vec3 pushed = acceleration_of(*plane, state) - whole_acceleration(context);
-  const double left = left_of_run(context), pressing = pushed.dot(obstacle.normal);
+  const double left = left_of_run(context), least = use::least_pressing * whole_acceleration(context).norm();
+  const double pressing = std::abs(pushed.dot(obstacle.normal)) > least ? pushed.dot(obstacle.normal) : 0;  // both may fall
   Outlook ahead{obstacle.normal, left, left, left, pressing};
   if (context.drive.held()) return ahead;
   if (squeezed(context, state)) {
