@@ -79,6 +79,7 @@ struct Neighbour {
   Points x, v;                    ///< while it takes the path's steps, its own; else by what it differed when it last did [m, m/s]
   std::vector<FreeState> free{};  ///< bodies, likewise
   bool follows = false;           ///< takes them
+  bool landed = false;            ///< has come onto an obstacle since it began to
   double began = 0, impact = 0;   ///< times at which it last began to, and of the path's last impact [s]
   Drift off{};                    ///< it from the path
 
@@ -92,7 +93,7 @@ struct Neighbour {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.x, s.v, s.free, s.follows, s.began, s.impact, s.off);
+    return fields(s.x, s.v, s.free, s.follows, s.landed, s.began, s.impact, s.off);
   }
 };
 static_assert(visits_every_field<Neighbour>);

@@ -5,6 +5,7 @@
 
 #include "body/rigid_motion.hpp"
 #include "contact/broad_phase.hpp"
+#include "contact/surface/tangents.hpp"
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
 #include "kit/outlook.hpp"
@@ -82,7 +83,7 @@ Span out_of_phase(const Span& span, bool lands) {
 
 /// Moves what is behind an obstacle out of it, or a free obstacle. Returns whether anything is, and can be.
 bool move_out(const StepContext& context, const NearestObstacle& nearest, Points& x) {
-  if (!(nearest.gap < 0)) return false;
+  if (!(nearest.gap < -free_touching * context.model.body.length)) return false;
   const Vec3& normal = nearest.obstacle.normal;
   if (const FreeMotion* free = nearest.plane->own) {
     const Vec3 along = free->body().guided() ? free->body().guide : normal;
@@ -97,6 +98,20 @@ bool move_out(const StepContext& context, const NearestObstacle& nearest, Points
   for (const FreeMotion& each : context.drive.free)
     if (each.part()) context.run.path.motion.free[each.index()].position += way;
   return true;
+}
+
+/// Moves the body at x, and free obstacles, out of all. Returns whether that is done: from within one contact would throw them off.
+bool free_of_obstacles(const StepContext& context, State& beside) {
+  std::vector<FreeState>& free = context.run.path.motion.free;
+  for (int round = 0; round < use::most_ways_out; ++round) {
+    bool moved = false;
+    if (!free.empty()) {
+      Tangents own(*context.model.body.samples, context.model.body.length);
+      if (own.move_out(context.drive, beside.time, free, moved) != StepStatus::ok) return false;
+    }
+    if (!move_out(context, nearest_obstacle(context, beside), beside.x)) return true;
+  }
+  return false;
 }
 
 /// A landing begins: the neighbour goes on from beside the path. beside: scratch.
@@ -115,12 +130,12 @@ void set_beside(const StepContext& context, const State& begin, State& beside) {
     own = fly_beside(each, path, own, begin.time - neighbour.off.time);
   }
   context.run.path.motion.free = neighbour.free;
-  for (int round = 0; round < use::most_ways_out; ++round)
-    if (!move_out(context, nearest_obstacle(context, beside), beside.x)) break;
+  if (!free_of_obstacles(context, beside)) return neighbour.forget();
   neighbour.x = beside.x;
   neighbour.v += begin.v;
   neighbour.free = context.run.path.motion.free;
   neighbour.follows = true;
+  neighbour.landed = false;
   neighbour.began = begin.time;
 }
 
@@ -162,6 +177,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
   neighbour.x = path.motion.x;
   neighbour.v = path.motion.v;
   neighbour.free = path.motion.free;
+  neighbour.landed = neighbour.landed || outcome.impacts > 0;
   const bool alone = off_obstacles(context, path.motion.time, path.motion.x);
   snapshot.rollback();
   snapshot.commit();
@@ -174,7 +190,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
     neighbour.off.place = worse(neighbour.off.place, free_apart(context, each, path.motion.free[k], neighbour.free[k]).place);
   }
   const bool flies = alone && off_obstacles(context, path.motion.time, x);
-  if (flies || path.motion.time - neighbour.impact > slowest_period(context)) part(context, flies);
+  if ((flies && neighbour.landed) || path.motion.time - neighbour.impact > slowest_period(context)) part(context, flies);
 }
 
 /// They no longer take the same steps: what they differ by is kept.

@@ -39,7 +39,9 @@ class SurfaceContact {
   /// pushed in. Sets `moved` if there was any.
   StepStatus clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved);
   /// The same of free obstacles, out of others.
-  StepStatus clear_free_jumps(const Drive& around, double time, std::vector<FreeState>& free, bool& moved);
+  StepStatus clear_free_jumps(const Drive& around, double time, std::vector<FreeState>& free, bool& moved) {
+    return tangents_.move_out(around, time, free, moved);
+  }
   /// Samples on each plane, counted.
   void count(const Drive& around, double time, const Points& x, std::vector<Count>& contacts);
 

@@ -46,28 +46,6 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
   return StepStatus::impossible_planes;
 }
 
-/// One after the other by the deepest of its samples.
-StepStatus SurfaceContact::clear_free_jumps(const Drive& around, double time, std::vector<FreeState>& free, bool& moved) {
-  for (int looks = 0; looks < most_jump_looks; ++looks) {
-    std::vector<double> deepest(free.size(), -free_touching * length_);
-    std::vector<Vec3> by(free.size(), Vec3::Zero());
-    tangents_.find_own(around, time);
-    for (const Tangent& each : tangents_.found()) {
-      const bool own = around.planes[each.solid].own;
-      const FreeMotion& body = *around.planes[own ? each.solid : each.obstacle].own;
-      const double gap = each.start.gap(each.place);
-      if (!(gap < deepest[body.index()])) continue;
-      deepest[body.index()] = gap;
-      const Vec3 out = own ? each.start.normal : Vec3(-each.start.normal), &guide = body.body().guide;
-      by[body.index()] = -gap * (body.body().guided() ? Vec3(guide / guide.dot(out)) : out);
-    }
-    if (std::ranges::all_of(by, [](const Vec3& each) { return each.isZero(0); })) return StepStatus::ok;
-    for (std::size_t k = 0; k < free.size(); ++k) free[k].position += by[k];
-    moved = true;
-  }
-  return StepStatus::impossible_planes;
-}
-
 void SurfaceContact::look(const Drive& around, double time, const Points& x) {
   touching_.clear();
   for (int q = 0; q < flat_; ++q)

@@ -21,6 +21,9 @@ constexpr double free_edge = 5e-3;
 /// Cosine of the angle between a guide and a normal below which an obstacle cannot stop what goes along the guide.
 constexpr double along_guide = 1e-6;
 
+/// Moves out of obstacles that one after the other may need.
+constexpr int most_moves_out = 50;
+
 HalfSpace half_space(const HalfSpace& pose, const Vec3& normal, double beyond) {
   return {pose.point, normal, normal.dot(pose.point) + beyond, pose.velocity, pose.spin};
 }
@@ -157,6 +160,28 @@ Tangents::Course Tangents::course(const Drive& around, double t0, double t1, int
 void Tangents::find_own(const Drive& around, double time) {
   found_.clear();
   if (samples_.all() > samples_.count()) find_between(around, time, time, 0);
+}
+
+/// One after the other by the deepest of its samples.
+StepStatus Tangents::move_out(const Drive& around, double time, std::vector<FreeState>& free, bool& moved) {
+  for (int looks = 0; looks < most_moves_out; ++looks) {
+    std::vector<double> deepest(free.size(), -free_touching * length_);
+    std::vector<Vec3> by(free.size(), Vec3::Zero());
+    find_own(around, time);
+    for (const Tangent& each : found_) {
+      const bool own = around.planes[each.solid].own;
+      const FreeMotion& body = *around.planes[own ? each.solid : each.obstacle].own;
+      const double gap = each.start.gap(each.place);
+      if (!(gap < deepest[body.index()])) continue;
+      deepest[body.index()] = gap;
+      const Vec3 out = own ? each.start.normal : Vec3(-each.start.normal), &guide = body.body().guide;
+      by[body.index()] = -gap * (body.body().guided() ? Vec3(guide / guide.dot(out)) : out);
+    }
+    if (std::ranges::all_of(by, [](const Vec3& each) { return each.isZero(0); })) return StepStatus::ok;
+    for (std::size_t k = 0; k < free.size(); ++k) free[k].position += by[k];
+    moved = true;
+  }
+  return StepStatus::impossible_planes;
 }
 
 void Tangents::forget_own() {

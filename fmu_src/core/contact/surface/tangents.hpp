@@ -47,6 +47,8 @@ class Tangents {
   void find(const Drive& around, double t0, double t1, const Points& x0, double way);
   /// Those of solids' own samples alone, at a time.
   void find_own(const Drive& around, double time);
+  /// Moves free obstacles out of others by these, each with its state in `free`. Sets `moved` if there was any.
+  StepStatus move_out(const Drive& around, double time, std::vector<FreeState>& free, bool& moved);
   void forget_own();
   void forget() { found_.clear(); }
   const std::vector<Tangent>& found() const { return found_; }
