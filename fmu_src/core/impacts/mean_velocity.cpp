@@ -28,6 +28,11 @@ struct Across {
   Across(const StepContext& context, const Exchange& before) {
     for (std::size_t q = 0; q < context.drive.planes.size() && count < 3; ++q) {
       if (context.run.path.exchange.planes[q].force == before.planes[q].force) continue;
+      if (context.drive.planes[q].solid()) {  // its rows each have a normal of their own
+        count = 3;
+        normals = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+        return;
+      }
       const Vec3 normal = along(context.drive.planes[q].at(context.run.path.motion.time).normal);
       if (normal.norm() > same_plane) normals[count++] = normal.normalized();
     }

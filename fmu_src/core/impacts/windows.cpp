@@ -223,7 +223,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
     const bool touched = path.exchange.contacts_resolved != contacts;
     const double period = slowest_period(context);
     const bool heard = double(stiff.looks) >= std::max(double(use::least_looks << stiff.doubts), period / stretch);
-    const bool rests = heard && !context.drive.planes.back().solid() && (touched || !context.drive.pins.empty()) && quiet(context);
+    const bool rests = heard && context.drive.free.empty() && (touched || !context.drive.pins.empty()) && quiet(context);
     if (heard) {
       stiff.pressing = stiff.impulse / stiff.listened;
       stiff.looks = 0;

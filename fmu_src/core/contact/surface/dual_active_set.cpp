@@ -17,6 +17,10 @@ constexpr double no_response = 1e-12;
 constexpr std::size_t looked_at = 32;
 /// Rows that are added, and dropped for one of them, at most.
 constexpr int most_additions = 1000, most_drops = 300;
+/// Of these, beside two for each candidate, those after which what violates a row may be rounding: rows that nearly depend on each other
+/// violate one another in turn then. By how much the tolerance grows with each further one, and at most.
+constexpr std::size_t sure_additions = 100;
+constexpr double tolerance_growth = 1.1, most_growth = 1e3;
 
 }  // namespace
 
@@ -48,7 +52,9 @@ StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, st
     gaps = begin_;
   else
     spread();
+  const double most = most_growth * tolerance;
   for (int round = 0; round < most_additions; ++round) {
+    if (std::size_t(round) >= sure_additions + 2 * candidates.size()) tolerance = std::min(tolerance_growth * tolerance, most);
     delassus_.operations().spend(Operations::of_value * double(candidates.size()));
     if (delassus_.operations().spent()) return StepStatus::not_finite;
     const int chosen = most_violated(candidates, tolerance);
