@@ -199,16 +199,19 @@ ModalFlight::Nearing ModalFlight::nearing_solid(const Body& body, const Plane& s
     }
   }
   double spin = pose.spin.norm(), spin_rate = solid.angular_acceleration.norm();
-  Vec3 acceleration = solid.acceleration;
-  if (const FreeMotion* free = solid.own) {
+  double acceleration = (rigid_.acceleration - solid.acceleration).norm();
+  if (const FreeMotion* free = solid.own) {  // its loads grow evenly: they are largest at either end
     const FreeState state = free->at(t_);
-    const auto [force, torque] = free->loads(state);
-    acceleration = free->inverse_mass() * force;
-    spin = free->inverse_inertia(state).norm() * (state.momentum.norm() + time * torque.norm());
+    FreeState later = state;
+    later.time += time;
+    acceleration =
+        std::max((rigid_.acceleration - free->acceleration(state)).norm(), (rigid_.acceleration - free->acceleration(later)).norm());
+    const double torque = std::max(free->loads(state).torque.norm(), free->loads(later).torque.norm());
+    spin = free->inverse_inertia(state).norm() * (state.momentum.norm() + time * torque);
     spin_rate = 0;
   }
   return {gap, (rigid_.velocity - pose.velocity).norm() + rigid_.spin.norm() * modes_.radius + spin * solid.size(),
-          (rigid_.acceleration - acceleration).norm() + rigid_.spin_rate.norm() * modes_.radius + spin_rate * solid.size()};
+          acceleration + rigid_.spin_rate.norm() * modes_.radius + spin_rate * solid.size()};
 }
 
 double ModalFlight::until_touch(const Equations& equations, double most, double shortest, bool still) {

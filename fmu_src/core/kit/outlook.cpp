@@ -57,8 +57,7 @@ Vec3 whole_acceleration(const StepContext& context) {
 
 /// Of an obstacle, a free one in flight [m/s2].
 Vec3 acceleration_of(const Plane& obstacle, const State& state) {
-  if (!obstacle.own) return obstacle.acceleration;
-  return obstacle.own->inverse_mass() * obstacle.own->loads(state.free[obstacle.own->index()]).force;
+  return obstacle.own ? obstacle.own->acceleration(state.free[obstacle.own->index()]) : obstacle.acceleration;
 }
 
 /// Whether obstacles hold the body from two sides.

@@ -83,10 +83,11 @@ class FreeMotion {
 
   Wrench loads(const FreeState& s) const;  ///< at the time of the state
   Wrench mean_loads(const FreeState& from, double h) const;
-  Vec3 spin(const FreeState& s) const;                        ///< [rad/s]
-  Vec3 momentum(const FreeState& s, const Vec3& spin) const;  ///< angular [kg m2/s]
-  double kinetic_energy(const FreeState& s) const;            ///< of its own [J]
-  double own_mass() const { return own_mass_; }               ///< [kg]
+  Vec3 acceleration(const FreeState& s) const { return inverse_mass() * loads(s).force; }  ///< in flight, at the time of the state [m/s2]
+  Vec3 spin(const FreeState& s) const;                                                     ///< [rad/s]
+  Vec3 momentum(const FreeState& s, const Vec3& spin) const;                               ///< angular [kg m2/s]
+  double kinetic_energy(const FreeState& s) const;                                         ///< of its own [J]
+  double own_mass() const { return own_mass_; }                                            ///< [kg]
   Eigen::Matrix3d inverse_mass() const;                       ///< along the guide alone, where there is one [1/kg]
   Eigen::Matrix3d inverse_inertia(const FreeState& s) const;  ///< in the world; zero on a guide [1/(kg m2)]
   Eigen::Matrix3d inertia(const FreeState& s) const;          ///< in the world [kg m2]
