@@ -1,5 +1,7 @@
 """Builds and runs the C++ tests of tests/core and tests/fmi/library."""
 
+import os
+import re
 from pathlib import Path
 
 import pytest
@@ -18,3 +20,12 @@ def built() -> Path:
 @pytest.mark.parametrize("source", cpp_tests.SOURCES, ids=cpp_tests.source_id)
 def test_cpp(built: Path, source: Path) -> None:
     cpp_tests.check(built, source)
+
+
+WITH_GRIDS = [source for source in cpp_tests.SOURCES if re.search(r"check::(some|thorough)", source.read_text())]
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("source", WITH_GRIDS, ids=cpp_tests.source_id)
+def test_cpp_on_whole_grids(built: Path, source: Path) -> None:
+    cpp_tests.check(built, source, os.environ | {"SOFTFFD_THOROUGH": "1"})

@@ -153,3 +153,18 @@ TEST(on_a_plane_is_not_off_it) {
   plane.point.z() = -10;
   CHECK(!off_obstacles(flight.around, 0, flight.state.x, 1e-12));
 }
+
+/// The points of a lattice that no power of two divides.
+TEST(points_behind_a_plane_are_those_of_negative_gaps) {
+  const int n = 27;
+  const Vec3 normal(0.36, 0.48, 0.8);
+  Points x(n, 3);
+  for (int i = 0; i < x.size(); ++i) x(i) = std::sin(3.0 * i);
+  Scalars gap(n);
+  std::array<unsigned char, 4> bits{};
+  for (const double offset : {0.1, -2.0}) {
+    const bool any = kernels::gaps(n, x.data(), normal.data(), offset, gap.data());
+    CHECK(kernels::behind(n, x.data(), normal.data(), offset, bits.data()) == any && any == (offset > 0));
+    for (int p = 0; p < n; ++p) CHECK((bits[p / 8] >> p % 8 & 1) == (gap[p] < 0));
+  }
+}

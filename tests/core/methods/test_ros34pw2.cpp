@@ -134,19 +134,6 @@ TEST(a_step_keeps_of_a_vibration_what_it_says) {
   }
 }
 
-TEST(an_undamped_spin_drifts_and_less_with_finer_steps) {
-  const Scene s = spin();
-  const Conserved start = conserved(s, s.start);
-  double before = 0;
-  for (int steps : {400, 800, 1600}) {
-    Ros34pw2 method(s.lattice, 0);
-    const Conserved end = conserved(s, run_fresh(method, s, steps).state);
-    const double lost = std::abs(end.angular.norm() / start.angular.norm() - 1);
-    if (before > 0) CHECK(lost < before / 6);
-    before = lost;
-  }
-}
-
 TEST(a_state_without_numbers_has_an_error_without_a_number) {
   Scene s = soft();
   s.start.x(3, 1) = std::nan("");

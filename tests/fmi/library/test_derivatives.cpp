@@ -54,9 +54,3 @@ TEST(real_outputs_alone_have_a_derivative_and_of_first_order_alone) {
       CHECK(!(real && output) || said(order).find(": wanted a derivative of order 1") != std::string::npos);
   }
 }
-
-TEST(the_derivative_of_a_position_or_probe_is_its_velocity) {
-  Scene scene;
-  CHECK(scene.output_rate(reference_of(Family::position, 3 * 5)) == 1 && scene.output_rate(reference_of(Family::position, 3 * 7)) == 0);
-  CHECK(scene.output_rate(reference_of(Family::probe, 0)) == 0.75);  // three of the four corners above move
-}

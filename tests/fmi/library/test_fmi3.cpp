@@ -101,17 +101,6 @@ TEST(resets_and_states_give_the_same_bits) {
   fmi3FreeInstance(one);
 }
 
-TEST(a_number_of_values_that_is_not_that_of_the_elements_is_an_error) {
-  for (unsigned room : {0u, 1u, 3 * points - 1, 3 * points + 1}) {
-    fmi3Instance c = running();
-    std::vector<double> values(room, -7.0);
-    CHECK(get(c, Family::position, values) == fmi3Error);
-    CHECK(values == std::vector<double>(room, -7.0));
-    CHECK(fmi3Reset(c) == fmi3OK);
-    fmi3FreeInstance(c);
-  }
-}
-
 TEST(a_handle_of_one_standard_is_none_of_the_other) {
   fmi3Instance three = opened();
   fmi2Component two = instantiate(resources(everything));

@@ -50,16 +50,6 @@ TEST(what_makes_no_free_body_is_refused) {
   for (const int method : {1, 3, 9}) CHECK(refusal_of(hand + its_mass + loose + "method " + std::to_string(method) + "\n").empty());
 }
 
-TEST(a_free_body_flies_from_its_start_under_its_loads) {
-  const auto instance = begun(ball + mass + loose);
-  set_value(*instance, Family::body_force, 6);
-  run(*instance, 0, 100);
-  CHECK_NEAR(value_of(*instance, Family::body_position), 1 + 0.5 * 3, 1e-12);
-  CHECK_NEAR(value_of(*instance, Family::body_velocity, Type::Real, 2), 3 - 10, 1e-12);
-  CHECK_NEAR(value_of(*instance, Family::body_angular_velocity, Type::Real, 2), 4, 1e-12);
-  CHECK_NEAR(value_of(*instance, Family::body_orientation), std::cos(2.0), 1e-9);
-}
-
 TEST(the_derivative_of_a_position_is_the_velocity) {
   const auto instance = begun(ball + mass + loose);
   run(*instance, 0, 1);
@@ -70,14 +60,6 @@ TEST(the_derivative_of_a_position_is_the_velocity) {
   CHECK(rate == value_of(*instance, Family::body_velocity, Type::Real, 2));
   instance->get_output_derivatives(&velocity, 1, &order, &rate);
   CHECK_NEAR(rate, -10, 1e-10);
-}
-
-TEST(only_what_turns_has_a_torque) {
-  const auto turning = begun(ball + mass + loose), sliding = begun(ball + mass + guided);
-  CHECK(turning->name(reference_of(Family::body_torque)) == "sphere.ball.torque.x");
-  CHECK(sliding->name(reference_of(Family::body_torque)).find("value reference") == 0);
-  CHECK(sliding->name(reference_of(Family::body_angular_velocity)).find("value reference") == 0);
-  CHECK(begun(hand + its_mass + loose)->name(reference_of(Family::body_mass)) == "pin.hand.mass");
 }
 
 TEST(a_free_body_without_an_axis_does_not_start) {
@@ -100,20 +82,6 @@ TEST(an_orientation_that_is_no_unit_quaternion_is_no_state) {
   CHECK(at < damaged.size());
   std::memcpy(&damaged[at], &none, sizeof none);
   CHECK(refusal<StateError>([&] { one->load_state(damaged); }).find("no run produces") != std::string::npos);
-}
-
-TEST(a_saved_state_has_the_free_bodies) {
-  const auto one = begun(ball + mass + loose), other = begun(ball + mass + loose);
-  set_value(*one, Family::body_force, 6);
-  run(*one, 0, 10);
-  const Bytes saved = one->save_state();
-  other->load_state(saved);
-  CHECK(other->save_state() == saved);
-  run(*one, 10, 20);
-  run(*other, 10, 20);
-  CHECK(one->save_state() == other->save_state());
-  for (int c = 0; c < 4; ++c)
-    CHECK(value_of(*one, Family::body_orientation, Type::Real, c) == value_of(*other, Family::body_orientation, Type::Real, c));
 }
 
 }  // namespace free_bodies

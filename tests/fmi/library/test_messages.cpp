@@ -47,13 +47,6 @@ TEST(that_a_run_was_set_up_is_part_of_its_state) {
   }
 }
 
-TEST(the_method_is_told_when_it_is_another) {
-  Run run("1.1 1 1 0 0 0 0 0 0 0 0 0", "damping 0.1\nmethod 3\n");
-  run.start();
-  run.steps(0, 3);
-  CHECK(heard.size() == 1 && count("solver: leapfrog: as set; internal step of this communication step ") == 1);
-}
-
 TEST(what_is_not_counted_while_nobody_listens_is_told_as_soon_as_somebody_does) {
   Run run(turned_inside_out, "damping 0.1\n", false);
   run.start();

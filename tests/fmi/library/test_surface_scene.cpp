@@ -14,12 +14,6 @@ std::string refusal_of(const std::string& parts) {
   return refusal<SceneFileError>([&] { parse_scene(falling.text(parts)); });
 }
 
-std::unique_ptr<Instance> begun(const std::string& parts) {
-  auto instance = instance_of(falling.text(parts));
-  start(*instance, 10);
-  return instance;
-}
-
 }  // namespace
 
 TEST(samples_of_a_scene_with_planes_are_taken) {
@@ -43,12 +37,4 @@ TEST(a_method_that_does_not_know_samples_cannot_be_set) {
   CHECK(refusal([&] { set_value(*instance, Family::solver_method, 3, Type::Integer); }).empty());
   const std::string why = refusal([&] { set_value(*instance, Family::solver_method, 2, Type::Integer); });
   CHECK(why.find("3 leapfrog") != std::string::npos && why.find("central_difference") == std::string::npos);
-}
-
-TEST(the_lattice_of_a_body_that_rests_on_its_surface_is_behind_the_plane) {
-  const auto instance = begun(ground + pyramid);
-  run(*instance, 0, 300);
-  CHECK_NEAR(value_of(*instance, Family::plane_reaction, Type::Real, 2), -9.81, 1e-6);
-  CHECK(value_of(*instance, Family::position, Type::Real, 2) < -0.05);
-  CHECK(value_of(*instance, Family::plane_contacts, Type::Integer) == 4);
 }

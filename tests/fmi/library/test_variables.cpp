@@ -134,33 +134,6 @@ TEST(values_out_of_range_are_refused_and_nothing_is_set) {
   }
 }
 
-TEST(components_of_a_pose_are_inputs_where_the_scene_names_them_and_parameters_else) {
-  std::string records = text.substr(text.find('\n') + 1);
-  records.insert(records.find("pin foot"), "plane_inputs point.z velocity.x\n");
-  Scene scene(small_scene::with_first_line(records));
-  const auto names = [&](Family family) {
-    std::vector<std::string> found;
-    for (int n = 0; n < 12; ++n)
-      if (const std::string name = scene.variables.name(reference_of(family, n)); name.find("value reference") != 0) found.push_back(name);
-    return found;
-  };
-  using Names = std::vector<std::string>;
-  CHECK((names(Family::plane_point) == Names{"plane.lid.point.z"} && names(Family::plane_velocity) == Names{"plane.lid.velocity.x"}));
-  CHECK((names(Family::fixed_plane_point) ==
-         Names{"plane.ground.point.x", "plane.ground.point.y", "plane.ground.point.z", "plane.lid.point.x", "plane.lid.point.y"}));
-  CHECK(names(Family::plane_normal).empty() && names(Family::fixed_plane_normal).size() == 6);
-  CHECK((names(Family::pin_orientation).back() == "pin.arm.orientation.w" && names(Family::fixed_pin_velocity).size() == 3));
-  const fmi2ValueReference fixed_point = reference_of(Family::fixed_plane_point, 3);
-  scene.set(reference_of(Family::plane_point), 8);
-  scene.set(fixed_point, 0.5);
-  scene.set(reference_of(Family::fixed_plane_normal, 3), 0.25);
-  scene.rate(reference_of(Family::plane_point), 1, -2);
-  scene.variables.apply(scene.body.settings);
-  const auto& lid = scene.body.settings.planes[1];
-  CHECK(lid.point == Vec3(0.5, 0, 8) && lid.normal == Vec3(0.25, 0, -1) && lid.velocity == Vec3(0, 0, -2));
-  CHECK(refusal([&] { scene.set(fixed_point, 8, Type::Real, stepping); }).find("cannot be set after") != std::string::npos);
-}
-
 TEST(what_may_be_set_when_follows_causality_and_variability) {
   Scene scene;
   for (const FamilyInfo& info : present) {
@@ -207,19 +180,6 @@ TEST(values_reach_their_places_in_the_settings) {
     CHECK((*s.force)(1, c) == load[c] / 2 && (*s.force)(2, c) == own[c] + load[c] / 2 && (*s.force)(3, c) == other[c]);
     CHECK((*s.force)(0, c) == 0);
   }
-}
-
-TEST(a_modulus_takes_the_place_of_stiffness_and_reaches_the_settings) {
-  Scene scene(small_scene::with_first_line("guid {g}\ncounts 2 2 2\nmass 1 1 1 1 1 1 1 1\nyoungs_modulus 2e5\ninternal_damping 0.001\n"));
-  const auto& settings = scene.body.settings;
-  CHECK(settings.modulus == 2e5 && settings.internal_damping == 0.001);
-  const fmi2ValueReference modulus = reference_of(Family::youngs_modulus);
-  CHECK(scene.variables.name(modulus) == "youngs_modulus");
-  for (const Family kind : {Family::stiffness_edge, Family::stiffness_face, Family::stiffness_body, Family::damping})
-    CHECK(scene.variables.name(reference_of(kind)).find("value reference") == 0);
-  scene.set(modulus, 3e5, Type::Real, stepping);
-  CHECK(scene.variables.apply(scene.body.settings) && settings.modulus == 3e5);
-  CHECK(refusal([&] { scene.set(modulus, 0, Type::Real, stepping); }) == "youngs_modulus: wanted > 0 Pa, got 0");
 }
 
 TEST(a_solid_has_poissons_ratio_and_what_its_probes_ask_for) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <vector>
 
 namespace check {
@@ -12,6 +13,17 @@ struct Test {
 };
 inline std::vector<Test> tests;
 inline int failures = 0;
+
+/// Whether whole grids of cases are wanted, as in the long run, and not representatives alone.
+inline const bool thorough = std::getenv("SOFTFFD_THOROUGH") != nullptr;
+
+/// The cases of a grid that are wanted: all, or every n-th.
+template <class Case>
+std::vector<Case> some(int every, const std::vector<Case>& cases) {
+  std::vector<Case> chosen;
+  for (std::size_t i = 0; i < cases.size(); i += thorough ? 1 : every) chosen.push_back(cases[i]);
+  return chosen;
+}
 
 struct Register {
   Register(const char* file, const char* name, void (*run)()) { tests.push_back({file, name, run}); }

@@ -10,7 +10,7 @@ Eigen::VectorXd solve(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
 }
 
 Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& a) {
-  return a.householderQr().householderQ() * Eigen::MatrixXd::Identity(a.rows(), a.cols());
+  return a.colPivHouseholderQr().householderQ() * Eigen::MatrixXd::Identity(a.rows(), a.cols());  // a decomposition that is there
 }
 
 Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& a) {

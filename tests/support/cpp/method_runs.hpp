@@ -75,13 +75,6 @@ inline void check_order(const char* name, Stepping run, const Claim& claim, cons
       CHECK(claim.shown(a.*part, b.*part) > claim.order - claim.less);
 }
 
-/// On a motion that has everything: uneven damping, forces that grow, frames that pull.
-inline void check_order_with_moving_pins(Stepping run, const Claim& claim) {
-  Scene s = soft(true, true);
-  pin_ends(s, swinging);
-  check_order("moving pins", run, claim, s, reference(s));
-}
-
 /// The same with internal damping: of a body that is free, that has point damping too, that pins move.
 inline void check_orders_with_dashpots(Stepping run, const Claim& claim, double time = 0.01) {
   for (const bool damped : {false, true}) {
@@ -171,47 +164,6 @@ void check_estimate(const Oscillator& o, double order, double longer, double sho
     CHECK(estimates[i] > error(o, s, run_with<Method>(s, 1).state));
   }
   CHECK_NEAR(std::log(estimates[0] / estimates[1]) / std::log(longer / shorter), order, 0.15);
-}
-
-/// The left ends of the pairs are held by a frame that starts from rest and accelerates by a [m/s2]; the extension is that of an
-/// oscillator with half the stiffness under the force -m a / 2.
-struct Held {
-  Oscillator o;
-  double a = 4;
-  Oscillator extension() const { return {.k = o.k / 2, .m = o.m, .f = -o.m * a / 2, .y0 = o.y0, .w0 = o.w0}; }
-  /// What all pairs together have received from the frame [N s].
-  double impulse(double t) const { return 4 * o.m * (2 * a * t + extension().at(t)[1] - o.w0); }
-};
-
-inline Scene held_scene(const Held& held, double duration) {
-  Scene s = scene(held.o, duration);
-  Pin pin;
-  pin.position.x() = -0.5 * held.o.y0;  // where the held points are
-  pin.acceleration.x() = held.a;
-  Points x = s.start.x, v = s.start.v;
-  for (int p = 0; p < 8; ++p) v(p, 0) = p % 2 ? held.o.w0 : 0;
-  for (int p = 0; p < 8; p += 2) {
-    pin.points.push_back(p);
-    pin.local.push_back(row(x, p) - pin.position);
-    s.body.pinned[p] = true;
-  }
-  s.around.pins.push_back(pin);
-  set_rates(s.body);
-  start_at(s, x, v);
-  return s;
-}
-
-/// The slopes of the errors of the extension and of the pin's impulse, on the exact motion over a second.
-inline void check_held_order(const Held& held, Stepping run, const Claim& claim) {
-  const Scene s = held_scene(held, 1);
-  double motion[2], impulse[2];
-  for (int i = 0; i < 2; ++i) {
-    const Result r = run(s, i ? claim.fine : claim.coarse);
-    motion[i] = error(held.extension(), s, r.state);
-    impulse[i] = std::abs(-r.exchange.pins[0].force.x() - held.impulse(s.duration));
-  }
-  CHECK_NEAR(claim.shown(motion[0], motion[1]), claim.order, 0.15);
-  CHECK(claim.shown(impulse[0], impulse[1]) > claim.order - 0.15);
 }
 
 /// Back along the way that the method has come: forward, velocities turned round, forward. Distance from the start [m].

@@ -215,19 +215,4 @@ inline Conserved conserved(const Scene& s, const State& state) {
   return c;
 }
 
-/// The block with k = 1e5 N/m and without damping, set spinning at 20 rad/s about its middle out of its rest shape; one turn.
-inline Scene spin() {
-  Scene s = stiff();
-  springs_of(s.body).set_stiffness({1e5, 1e5, 1e5}, {});
-  s.body.damping.setZero();
-  set_rates(s.body);
-  s.around = no_forces(64);
-  s.duration = 2 * 3.14159265358979 / 20;
-  Points x = rest_positions(s.lattice) - 0.5, v = Points::Zero(64, 3);
-  v.col(0) = -20 * x.col(1);
-  v.col(1) = 20 * x.col(0);
-  start_at(s, x, v);
-  return s;
-}
-
 }  // namespace softffd

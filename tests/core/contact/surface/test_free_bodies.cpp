@@ -1,6 +1,4 @@
 /// Obstacles with a mass of their own: what they and the object exchange is kept, and two of them meet as mechanics says.
-#include <Eigen/Geometry>
-
 #include "surface_bodies.hpp"
 
 using namespace softffd;
@@ -88,24 +86,6 @@ TEST(explicit_steps_keep_momentum_and_angular_momentum_of_both) {
     }
 }
 
-TEST(implicit_steps_keep_momentum) {
-  for (const Method method : {Method::backward_euler, Method::sdirk2})
-    for (const double mass : {1e-3, 1e3}) {
-      Meeting meeting{
-          .method = method, .step = 1e-3, .mass = mass, .internal_damping = 1e-3, .inertia = mass / 0.7 * Vec3(0.02, 0.03, 0.04)};
-      SoftBody body = meeting.body();
-      CHECK(body.initialize(0) == StepStatus::ok);
-      const Momentum begin = momentum(body);
-      const double first = energy(body);
-      const Vec3 before = body.state().free[0].velocity;
-      go(body, 20, 5e-3);
-      const double exchanged = mass * (body.state().free[0].velocity - before).norm();
-      CHECK(exchanged > 0.1 * std::min(mass, 1.0));
-      CHECK((momentum(body).linear - begin.linear).norm() < 1e-12 * exchanged + 1e-15 * begin.linear.norm() * 1e3);
-      CHECK(energy(body) < first);
-    }
-}
-
 TEST(a_guided_body_goes_along_its_guide_alone) {
   for (const Method method : {Method::leapfrog, Method::sdirk2}) {
     SoftBody body = Meeting{.method = method, .step = 5e-4, .internal_damping = 1e-3, .guide = {0, 0, 1}}.body();
@@ -113,26 +93,6 @@ TEST(a_guided_body_goes_along_its_guide_alone) {
     go(body, 20, 5e-3);
     const FreeState& state = body.state().free[0];
     CHECK(state.velocity.head<2>().isZero(0) && state.momentum.isZero(0) && state.velocity.z() > -2);
-  }
-}
-
-TEST(explicit_and_implicit_steps_agree) {
-  Meeting meeting{.step = 5e-5, .internal_damping = 1e-3};
-  SoftBody one = meeting.body();
-  one.initialize(0);
-  go(one, 20, 5e-3);
-  double last = 1e300;
-  for (const double h : {1e-3, 5e-4, 2.5e-4}) {
-    meeting.method = Method::sdirk2;
-    meeting.step = h;
-    SoftBody other = meeting.body();
-    other.initialize(0);
-    go(other, 20, 5e-3);
-    const double apart = (one.state().free[0].position - other.state().free[0].position).norm();
-    const double turned = (axes_of(one.state().free[0].orientation) - axes_of(other.state().free[0].orientation)).norm();
-    CHECK(apart < 2e-3 && turned < 4e-2);
-    CHECK(apart < last);
-    last = apart;
   }
 }
 
@@ -147,11 +107,12 @@ TEST(a_run_that_begins_again_has_the_same_bits) {
   body.settings.planes[0].friction = 0.5;
   body.settings.planes[1] = {.point = {0.5, 0.5, 1.2}, .velocity = {0, 0, -1}, .friction = 0, .radius = 0.2};
   std::vector<Points> ends;
-  for (const int steps : {60, 7}) {  // the first one ends in contact with both
+  for (const int steps : {30, 7}) {
     CHECK(body.initialize(0) == StepStatus::ok);
     go(body, 7, 5e-3);
     ends.push_back(body.positions());
     go(body, steps - 7, 5e-3);
+    for (int q = 0; q < 2 && steps > 7; ++q) CHECK(body.readings().plane_reaction(q).norm() > 0);  // in contact with both
   }
   CHECK((ends[0] == ends[1]).all());
 }
