@@ -50,25 +50,30 @@ def lines(text: str) -> list[str]:
 
 
 def commands() -> list:
-    """Every line of every block `sh`, by the first document that has it."""
-    found, seen = [], set()
+    """Every line of every block `sh`, by the first document that has it. The short run takes those of the README, and the first of every
+    other command."""
+    found, seen, verbs = [], set(), set()
     for document in DOCUMENTS:
         for kind, text in blocks(document):
             for line in lines(text) if kind.split()[:1] == ["sh"] else []:
                 if not line.startswith(SUITE) and line not in seen:
                     seen.add(line)
-                    long = kind == "sh full" or line.startswith(MINUTES)
+                    verb = " ".join(line.split()[: 3 if line.startswith("python3") else 2])
+                    long = kind == "sh full" or line.startswith(MINUTES) or (verb in verbs and document != DOCUMENTS[0])
+                    verbs.add(verb)
                     marks = [pytest.mark.full] if long else []
                     found.append(pytest.param(line, marks=marks, id=f"{document.name}: {line}"))
     return found
 
 
 def scripts() -> list:
-    """Every block `python` of the documents, and the examples."""
+    """Every block `python` of the documents, and the examples. The short run takes the README's, and the first of other documents."""
     found = []
     for document in DOCUMENTS:
         texts = [text for kind, text in blocks(document) if kind == "python"]
-        found += [pytest.param(text, id=f"{document.name}: script {n + 1}") for n, text in enumerate(texts)]
+        for n, text in enumerate(texts):
+            marks = [pytest.mark.full] if n > 0 and document != DOCUMENTS[0] else []
+            found.append(pytest.param(text, marks=marks, id=f"{document.name}: script {n + 1}"))
     return found + [pytest.param(file.read_text(), id=file.name) for file in EXAMPLES]
 
 
