@@ -1,16 +1,22 @@
-"""Pages of runs, and what they hold."""
+"""Pages of runs and live pages: what they hold, and the worker of a live page without a browser."""
 
 import base64
 import gzip
 import json
 import re
+import shutil
+import subprocess
+from pathlib import Path
 
 import numpy as np
+import pytest
 
 from made_up_run import at_rest_about
 from mesh_files import two_colours
 from softffd.mesh.files import load_mesh
 from softffd.show.view import write_view
+
+HOST = Path(__file__).parent / "hosts" / "live_in_node.mjs"
 
 
 def whole_run_of(page):
@@ -59,3 +65,20 @@ def page_of_two_colours(folder, name):
     mesh = load_mesh(two_colours(folder, name))
     page = write_view(at_rest_about(mesh), folder / "view.html")
     return run_of(page), page
+
+
+def in_node(page: Path, messages: list[dict], folder: Path) -> list[dict]:
+    if shutil.which("node") is None:
+        pytest.skip("no node on this machine to run the worker with")
+    (folder / "messages.json").write_text(json.dumps(messages))
+    done = subprocess.run(["node", HOST, page, folder / "messages.json"], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr[-2000:]
+    return json.loads(done.stdout)
+
+
+def live_of(page: Path) -> dict:
+    return json.loads(re.search(r'id="live">(.*?)</script>', page.read_text("utf-8"))[1])
+
+
+def parts_by_name(live: dict) -> dict[str, int]:
+    return {part["label"]: n for n, part in enumerate(live["open"]["parts"])}

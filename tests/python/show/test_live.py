@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from live_pages import in_node, live_of, parts_by_name
+from pages import in_node, live_of, parts_by_name
 from scenes import box
 from softffd import load_scene, save_mesh, simulate
 from softffd.cli.command import main

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from browser import Browser, require_browser
-from live_pages import in_node, live_of, parts_by_name
+from pages import in_node, live_of, parts_by_name
 from scenes import GRAVITY, meshed
 from softffd import SoftffdError, simulate
 from softffd.installed import wasm_library
