@@ -13,6 +13,8 @@ from softffd import simulate, write_ssp
 from softffd.cli.command import main
 from softffd.run.replay import replay_system
 
+pytestmark = pytest.mark.usefixtures("plain_pages")
+
 
 @pytest.fixture
 def opened(tmp_path, monkeypatch) -> list[str]:

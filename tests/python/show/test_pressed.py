@@ -16,6 +16,8 @@ from softffd.show.tension import tension_of
 from softffd.show.view import write_view, write_views
 from solids import solid
 
+pytestmark = pytest.mark.usefixtures("plain_pages")
+
 FOOT = {"name": "foot", "on": "z-", "taxels": [3, 2]}
 BACK = {"name": "back", "on": "x-", "taxels": [2, 5]}
 CORNER = {"name": "corner", "on": {"box": [[0, 0, 0], [0.001, 0.001, 0.001]]}, "taxels": [1, 1]}
