@@ -52,6 +52,7 @@ def test_a_beam_of_a_solid_vibrates_as_timoshenkos():
     assert found == pytest.approx(dict.fromkeys(found, 0), abs=0.1)  # 0.05 of it goes with more points across
 
 
+@pytest.mark.full
 def test_a_wide_plate_vibrates_as_timoshenkos_strip_in_plane_strain():
     (row,) = case("plane strain").rows(solid(0.25, 13, 31, 4))
     strip = vibration.timoshenko((0.2, 0.5, 0.02), 2e6 / (1 - 0.25**2), 1000.0, 0.25 / 0.75)[0]
@@ -59,6 +60,7 @@ def test_a_wide_plate_vibrates_as_timoshenkos_strip_in_plane_strain():
     assert row.found == pytest.approx(1 / strip, rel=2e-3)  # what its free sides add
 
 
+@pytest.mark.full
 def test_a_sphere_is_pressed_into_a_solid_with_the_force_of_hertz_the_nearer_the_finer():
     coarse, fine = ([abs(row.error) for row in case("Sphere pressed").rows(solid(0.25, n, n, n))] for n in (13, 19))
     assert max(fine) < max(coarse) / 3
@@ -82,6 +84,7 @@ def test_hertzs_impact_on_a_half_space_takes_the_published_time(monkeypatch):
     assert 2 / 5 * force * deepest == pytest.approx(mass * speed**2 / 2, rel=1e-9)
 
 
+@pytest.mark.full
 def test_a_sphere_hits_a_block_as_hertz_says():
     found = errors(list(case("hits a block").rows(solid(0.25, 13, 13, 13))))
     assert found["contact time [s]"] == pytest.approx(0, abs=1.5)

@@ -74,9 +74,11 @@ def test_elements_differ_in_everything_of_theirs():
     assert all(scene.document["plane"] == [] or "sphere" not in scene.document for scene in scenes)
 
 
+@pytest.mark.short("10-*")
 @pytest.mark.parametrize("family", [drawn, drawn_elements, drawn_free])
-def test_nothing_starts_behind_an_obstacle(family):
-    for seed in range(40):
+@pytest.mark.parametrize("seeds", [10, 40])
+def test_nothing_starts_behind_an_obstacle(family, seeds):
+    for seed in range(seeds):
         scene = family(seed)
         with Drive(scene.document, surface=scene.surface) as drive:
             for gaps in scene.gaps(drive.touching, 0.0).values():
@@ -212,12 +214,15 @@ def test_numbers_out_of_range_are_refused(options, tmp_path, capsys):
     assert "wanted at least" in capsys.readouterr().err
 
 
-ONCE_SILENT = (202, 272)
-"""Several impacts of stiff bodies, the last of which make much of a small error."""
+ONCE_SILENT = {"lattice": (202, 272), "surface": (22, 95), "solids": (121, 423)}
+"""Several impacts of stiff bodies, the last of which make much of a small error; vertices that strike one after the other, each of which
+makes much of the phase of vibrations; impacts on a cylinder, which were not taken for any."""
+DRAWN = [(family, seed) for family, silent in ONCE_SILENT.items() for seed in sorted({*range(1, 41), *silent})]
 
 
-@pytest.mark.full
-@pytest.mark.parametrize("seed", [*range(1, 41), *ONCE_SILENT])
-def test_auto_is_right_or_says_that_it_is_not(seed):
-    judged = judge(drawn(seed), list(run_jobs([Job(seed, run) for run in RUNS])))
+@pytest.mark.short("surface-22", "surface-95", "solids-121", "solids-423")
+@pytest.mark.parametrize(("family", "seed"), DRAWN)
+def test_auto_is_right_or_says_that_it_is_not(family, seed):
+    jobs = [Job(seed, run, family) for run in RUNS]
+    judged = judge(jobs[0].scene, list(run_jobs(jobs)))
     assert judged.verdict not in FAULTS, drawn_survey.line(judged)

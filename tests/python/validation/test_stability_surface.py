@@ -8,25 +8,12 @@ import pytest
 
 from softffd.cli.command import exit_status
 from validation.shapes import KINDS, cube, sphere
-from validation.stability.cases import CASES
 from validation.stability.drawn import drawn
 from validation.stability.drawn_bodies import drawn_solids, drawn_surface
-from validation.stability.drawn_runs import FAULTS, RUNS, Job, _broken, judge, run_jobs
-from validation.stability.drawn_survey import line
+from validation.stability.drawn_runs import _broken
 from validation.stability.drive import DOWN, ORIGIN, Drive, Z, box, plane
-from validation.stability.verdict import Findings, behind, run_case
+from validation.stability.verdict import Findings, behind
 from validation.tools import run_tool
-
-SURFACE = [name for name in CASES if name.startswith("surface")]
-QUICK = ("surface: rest, 4^3, k = 100000", "surface: incline 25 deg, k = 1e+06", "surface: corner, k = 1000, friction 0.5",
-         "surface: press, k = 1000")  # fmt: skip
-
-
-@pytest.mark.short(*QUICK)
-@pytest.mark.parametrize("name", SURFACE)
-def test_answers_of_surfaces_in_contact_are_right(name):
-    outcome = run_case(CASES[name])
-    assert outcome.verdict == "right", outcome
 
 
 def test_a_case_looks_at_the_vertices_and_not_at_the_control_points():
@@ -88,25 +75,3 @@ def test_command_runs_scenes_of_surfaces(family, seed, tmp_path):
     (row,) = csv.DictReader((tmp_path / "random.csv").open())
     assert row["verdict"] == "right" and " vertices, " in row["scene"]
     assert f"--family {family}" in json.loads((tmp_path / "random.json").read_text())["command"]
-
-
-ONCE_SILENT = (22, 95)
-"""One vertex strikes after the other, and each makes much of the phase of vibrations."""
-
-
-@pytest.mark.short(*map(str, ONCE_SILENT))
-@pytest.mark.parametrize("seed", [*range(1, 41), *(seed for seed in ONCE_SILENT if seed > 40)])
-def test_auto_is_right_of_surfaces_too_or_says_that_it_is_not(seed):
-    judged = judge(drawn_surface(seed), list(run_jobs([Job(seed, run, "surface") for run in RUNS])))
-    assert judged.verdict not in FAULTS, line(judged)
-
-
-ONCE_SILENT_BESIDE_SOLIDS = (121, 423)
-"""Impacts on a cylinder were not taken for any."""
-
-
-@pytest.mark.short(*map(str, ONCE_SILENT_BESIDE_SOLIDS))
-@pytest.mark.parametrize("seed", [*range(1, 41), *ONCE_SILENT_BESIDE_SOLIDS])
-def test_auto_is_right_beside_solids_too_or_says_that_it_is_not(seed):
-    judged = judge(drawn_solids(seed), list(run_jobs([Job(seed, run, "solids") for run in RUNS])))
-    assert judged.verdict not in FAULTS, line(judged)
