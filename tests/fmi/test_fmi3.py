@@ -59,7 +59,7 @@ def mixed(tmp_path_factory) -> Fmu3:
     return Fmu3(MIXED, tmp_path_factory.mktemp("mixed") / "fmi3")
 
 
-@pytest.mark.short("rich", "bare", "mixed", "press", "pad", "flat_pad", "beam", "car_ball")
+@pytest.mark.short("rich", "bare", "mixed", "pad", "car_ball")
 @pytest.mark.parametrize("name", [*shipped_scenes(), "rich", "bare", "mixed"])
 def test_the_description_is_valid(name, tmp_path):
     scene = {"rich": RICH, "bare": BARE, "mixed": MIXED}.get(name) or load_scene(name)
@@ -157,8 +157,10 @@ def test_a_shipped_scene_runs_with_the_same_bits_in_both_standards(name, tmp_pat
     stop = steps * scene.experiment.communication_step
     three = package_fmu(scene, tmp_path / "it.fmu", fmi=3)
     two, three = (simulate(each, stop_time=stop, inputs=scene.default_inputs) for each in (scene, three))
-    assert len(two.positions) == steps + 1
+    assert len(two.positions) == steps + 1 and list(three.outputs) == list(two.outputs)
     np.testing.assert_array_equal(three.positions, two.positions)
+    for name, column in two.outputs.items():
+        np.testing.assert_array_equal(three.outputs[name], column, err_msg=name)
 
 
 def by_fmpy(scene: Scene, folder: Path, fmi: int, **options) -> np.ndarray:
@@ -226,14 +228,6 @@ def test_the_packages_own_host_finds_the_scalars_of_fmi2_in_it(scene, tmp_path):
             starts = [None if v.start is None else float(v.start) for v in component.by_name.values()]
             found[fmi] = words, starts, component.interface.flat
     assert found[2] == found[3]
-
-
-def test_the_packages_own_host_runs_it_with_the_same_bits(rich):
-    two, three = (simulate(each, stop_time=0.2, step=STEP, inputs=lambda t: {"load.push.y": 3.0 + t}) for each in (RICH, rich.package))
-    np.testing.assert_array_equal(three.positions, two.positions)
-    assert list(three.outputs) == list(two.outputs)
-    for name, column in two.outputs.items():
-        np.testing.assert_array_equal(three.outputs[name], column, err_msg=name)
 
 
 def test_the_packages_own_host_refuses_another_programs(rich, tmp_path):

@@ -45,10 +45,7 @@ CHECKERS = {
     "fmpy": Manners(lambda: Tool((sys.executable, "-m", "fmpy", "validate")), ("No problems found.",), ""),
     "fmutool": Manners(
         fmutool,
-        (
-            "INFO     | This FMU seems to be compliant with FMI-2.0.",
-            "INFO     | No semantic error against the FMI-2 standard.",
-        ),
+        ("INFO     | This FMU seems to be compliant with FMI-2.0.", "INFO     | No semantic error against the FMI-2 standard."),
         r"INFO     \| .*",
     ),
     "vdmcheck_static": Manners(lambda: vdmcheck("VDMCheck"), ("No errors found.",), VDM_NOTICES),
@@ -108,7 +105,7 @@ def with_description(fmu: Path, path: Path, pattern: str, replacement: str) -> P
     return path
 
 
-@pytest.mark.short("fmpy-standard", "fmpy-press")
+@pytest.mark.short("fmpy-press")
 @pytest.mark.parametrize("scene", shipped_scenes())
 def test_checkers_find_nothing(checker, fmus, scene):
     assert check(*checker, fmus[scene]) == []
@@ -173,7 +170,7 @@ def test_a_master_gets_our_numbers_from_fmi3(fmus, scene, tmp_path):
     np.testing.assert_array_equal(rows["outputs"], expected)
 
 
-@pytest.mark.short("standard", "press", "spin")
+@pytest.mark.short("standard", "press")
 @pytest.mark.parametrize("scene", shipped_scenes())
 def test_fmpy_does_what_the_page_says_without_a_warning(scene):
     said, messages = outcome(FMPY, scene)

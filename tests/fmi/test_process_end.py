@@ -89,7 +89,7 @@ def compiled(folder: Path, text: str, *options: str) -> Path:
     return folder / "made"
 
 
-@pytest.mark.short("plate-0", "twin-7")
+@pytest.mark.short("plate-0")
 @pytest.mark.parametrize("kept", [0, 7])
 @pytest.mark.parametrize("name", NAMES)
 def test_a_host_in_python_ends_cleanly(folder, tmp_path, name, kept):

@@ -15,6 +15,7 @@ from softffd.scene.document import shipped_scenes
 CALLS = {"some": 200, "many": 10_000}
 LENGTHS = (1e-3, 2e-3, 5e-3)
 """Of communication steps [s]"""
+few = pytest.mark.short(*(f"{name}-some" for name in ("car_drop", "flat_pad", "hanging", "light_bounce", "press", "spin", "stiff_layer")))
 
 
 @pytest.fixture(scope="module", params=shipped_scenes())
@@ -124,7 +125,7 @@ MOVES = {
 }  # fmt: skip
 
 
-@pytest.mark.short("*-some")
+@few
 @pytest.mark.parametrize("calls", CALLS)
 def test_random_legal_calls_end_without_an_error(shipped, calls):
     generator = random.Random(calls)
@@ -203,7 +204,7 @@ class Lawless:
             self.states.append(state)
 
 
-@pytest.mark.short("*-some")
+@few
 @pytest.mark.parametrize("calls", CALLS)
 def test_random_calls_of_any_kind_end_without_a_crash(shipped, calls):
     generator = random.Random(f"any {calls}")

@@ -29,10 +29,7 @@ def solid():
 
 
 def patched(*, damping=30.0, **keys):
-    regions = [
-        {"points": "z-", "stiffness": 4e3, "mass": 2e-3, "damping": damping},
-        {"points": {"i": [0, 1]}, "stiffness": 2e3},
-    ]
+    regions = [{"points": "z-", "stiffness": 4e3, "mass": 2e-3, "damping": damping}, {"points": {"i": [0, 1]}, "stiffness": 2e3}]
     nose = {"name": "nose", "at": [0.3, 0.5, 0.9]}
     return box(region=regions, load=[{"name": "push", "points": "x+"}], probe=[nose], step=2.5e-4, stop_time=0.3, **keys)
 
@@ -119,12 +116,7 @@ def push(time):
 
 def rock(time):
     tilt = 0.2 * np.sin(3 * time)
-    pose = {
-        "point.z": 0.05 * np.sin(5 * time),
-        "normal.x": np.sin(tilt),
-        "normal.y": 0.0,
-        "normal.z": np.cos(tilt),
-    }
+    pose = {"point.z": 0.05 * np.sin(5 * time), "normal.x": np.sin(tilt), "normal.y": 0.0, "normal.z": np.cos(tilt)}
     return {f"plane.ground.{name}": value for name, value in pose.items()}
 
 

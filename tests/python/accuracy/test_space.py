@@ -158,6 +158,7 @@ stop_time = 0.1
 """
 
 
+@pytest.mark.short("solid-far away-over lattices", "springs-at the origin-methods")
 @pytest.mark.parametrize("options", [["--space"], []], ids=["over lattices", "methods"])
 @pytest.mark.parametrize("origin", [0.0, -30.0], ids=["at the origin", "far away"])
 @pytest.mark.parametrize("material", ["springs", "solid"])

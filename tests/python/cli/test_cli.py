@@ -120,7 +120,7 @@ def test_set_and_input_reach_the_component(quick):
     assert x[0] - 0.5 == pytest.approx(exact, rel=1e-9)
 
 
-@pytest.mark.short("standard", "spin", "press")
+@pytest.mark.short("press")
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_every_shipped_scene_runs(name, tmp_path, capsys):
     assert main(["run", name, "-o", str(tmp_path)]) == 0

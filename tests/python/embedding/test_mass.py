@@ -73,6 +73,7 @@ def centroid(distribution, mesh):
     return volumes @ corners.sum(axis=1) / 4 / volumes.sum()
 
 
+@pytest.mark.short("*-bezier-*", "*-counts6-bspline-wedge")
 @pytest.mark.parametrize("make", [sphere, wedge, box])
 @pytest.mark.parametrize(("counts", "basis"), VOLUMES)
 @pytest.mark.parametrize("distribution", ["vertices", "surface", "volume"])

@@ -105,11 +105,7 @@ def test_the_farthest_first_is_what_a_search_through_all_weights_finds():
 
 def test_the_resources_carry_samples_only_where_planes_meet_the_surface(tmp_path):
     keys = {"mesh": {"file": bodies.write(tmp_path / "cube.obj", bodies.cube(3, 0.0))}}
-    on_lattice, meeting, nothing = (
-        box(plane=[GROUND], contact={"of": "lattice"}, **keys),
-        box(plane=[GROUND], **keys),
-        box(**keys),
-    )
+    on_lattice, meeting, nothing = (box(plane=[GROUND], contact={"of": "lattice"}, **keys), box(plane=[GROUND], **keys), box(**keys))
 
     def lines(scene):
         return scene_records(scene, scene_masses(scene), scene_samples(scene)).splitlines()

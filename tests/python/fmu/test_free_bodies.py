@@ -63,11 +63,7 @@ VARIABLES = {
         ["point", "rotation", "friction", "start_velocity", "start_angular_velocity", "mass"],
         [*REACTIONS, "position", "orientation", "velocity", "angular_velocity", "reaction_torque"],
     ),
-    "pin.hand": (
-        ["force", "torque"],
-        ["mass"],
-        ["reaction", "position", "orientation", "velocity", "angular_velocity", "reaction_torque"],
-    ),
+    "pin.hand": (["force", "torque"], ["mass"], ["reaction", "position", "orientation", "velocity", "angular_velocity", "reaction_torque"]),
     "sphere.loose": ([], ["point", "normal", "velocity", "angular_velocity", "friction"], ["reaction", "torque", "centre", "contacts"]),
 }
 
@@ -79,8 +75,7 @@ def test_a_free_body_has_loads_a_mass_and_its_motion_as_outputs(part, scene, tmp
     assert found == tuple(map(sorted, VARIABLES[part]))
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
-@pytest.mark.parametrize("names", ["structured", "flat"])
+@pytest.mark.parametrize(("fmi", "names"), [(2, "structured"), (3, "flat")])
 def test_starts_and_names_of_the_description_are_those_of_the_library(fmi, names, scene, tmp_path):
     file = package_fmu(scene.replace({"fmu.names": names}), tmp_path / "free.fmu", fmi=fmi)
     assert not fmpy.validation.validate_fmu(str(file))

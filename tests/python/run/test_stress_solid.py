@@ -84,10 +84,7 @@ def changed_along_x(derivative, amount):
 def test_pressure_follows_a_linear_change_of_volume_and_no_quadratic_one():
     """2 x - 1 is kept at the centres of the cells, -2/3, 0 and 2/3; Legendre's polynomial 6 x^2 - 6 x + 1 is dropped."""
     mu, lam = lame(0.45)
-    for integral, values in (
-        (lambda x: x**2 - x, np.array([-2.0, 0.0, 2.0]) / 3),
-        (lambda x: 2 * x**3 - 3 * x**2 + x, np.zeros(3)),
-    ):
+    for integral, values in ((lambda x: x**2 - x, np.array([-2.0, 0.0, 2.0]) / 3), (lambda x: 2 * x**3 - 3 * x**2 + x, np.zeros(3))):
         positions = changed_along_x(integral, 0.1)
         gradient = lattice_gradients(positions, LatticeBox((4, 4, 4), (0, 0, 0), (1, 1, 1), "patches"))
         change = np.linalg.det(gradient)

@@ -144,11 +144,7 @@ def test_a_file_of_another_sweep_is_refused(tmp_path):
 @pytest.mark.parametrize(
     "vary, options, words",
     [
-        (
-            {"stifness.edge": [1]},
-            {},
-            r'stifness.edge: cannot be varied: .* did you mean "stiffness.edge"\?; those that can: .*mass',
-        ),
+        ({"stifness.edge": [1]}, {}, r'stifness.edge: cannot be varied: .* did you mean "stiffness.edge"\?; those that can: .*mass'),
         ({"lattice.points": [3]}, {}, "lattice.points: cannot be varied: the FMU has no such parameter or input.*those that can: .*mass"),
         ({FORCE: [3]}, {}, "cannot be varied: it is an output; those that can"),
         ({"plane.press.velocity.z": [1]}, {"inputs": COURSE}, r"velocity.z: cannot be varied: inputs gives it \(or its velocity\)"),

@@ -18,10 +18,7 @@ BOX = {
     "experiment": {"stop_time": 0.2, "communication_step": STEP},
 }
 HELD = {
-    "pin": [
-        {"name": "grip", "points": "z-", **LED},
-        {"name": "wall", "points": "z+"},
-    ],
+    "pin": [{"name": "grip", "points": "z-", **LED}, {"name": "wall", "points": "z+"}],
     "lattice": {"points": [3, 4, 5]},
     "experiment": {"communication_step": STEP},
 }

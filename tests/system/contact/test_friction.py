@@ -108,12 +108,6 @@ def test_a_belt_drags_the_box_to_its_speed_and_does_twice_the_work_that_the_box_
         assert result.outputs["energy.dissipated"][-1] == pytest.approx(0.5 * 0.8**2, rel=2e-4)  # 2.3e-5
 
 
-def test_a_belt_set_by_input_is_the_belt_of_the_scene():
-    fixed = on_level(floor=BELT)
-    free = on_level(floor={"motion": "input"}, inputs=lambda time: {"plane.floor.velocity.x": 0.8})
-    assert np.array_equal(points(fixed), points(free))
-
-
 @pytest.mark.parametrize(("spin", "friction", "damping", "rounding"), [(2.0, 1.0, 0.0, 1e-12), (0.5, 3.0, 0.2, 1e-14)])
 def test_points_that_stick_move_exactly_with_the_turntable(spin, friction, damping, rounding):
     table = {"point": [0.5, 0.5, 0.0], "angular_velocity": [0.0, 0.0, spin]}

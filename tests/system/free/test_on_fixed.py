@@ -162,6 +162,7 @@ def test_a_box_that_leans_falls_over_its_edge_or_back(past, material, step, tmp_
     assert angle[falls] == pytest.approx(np.radians(balance) + np.copysign(fallen, past), abs=10 * TOLERANCE * SIDE / arm)
 
 
+@pytest.mark.short("0.01")
 @pytest.mark.parametrize("step", [0.01, 0.001])
 def test_a_weight_that_presses_a_pad_on_to_stops_rests_on_all(step, tmp_path):
     """What the pad does not carry, pressed by 6 mm, the stops do."""

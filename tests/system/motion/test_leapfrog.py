@@ -6,7 +6,7 @@ import pytest
 import reference
 from readings import orders, points, velocities
 from scenes import OBSERVED, box
-from softffd import FmuError, simulate
+from softffd import simulate
 from stepping import Stepper
 
 
@@ -45,16 +45,6 @@ def test_order_is_two_on_the_stretched_box(golden):
     assert errors[0] == pytest.approx(9.357e-3, rel=1e-3)  # of the scheme itself: the numpy reference has it too
 
 
-def test_free_vibration_is_the_references_to_rounding():
-    result, model = stretched(2.5e-4), reference.cube()
-    x, v = model.rest * [1.1, 1.0, 1.0], np.zeros_like(model.rest)
-    for row in range(1, 11):
-        x, v = reference.leapfrog(model, x, v, 2.5e-4, 400)
-        # 4000 steps, each with some 1e-16 m of rounding, which grows by a small factor in ten oscillations
-        assert points(result)[row] == pytest.approx(x, abs=1e-12)
-        assert velocities(result)[row] == pytest.approx(v, abs=1e-10)
-
-
 @pytest.mark.parametrize("method", ["leapfrog", "auto", "central_difference"])
 def test_damping_gravity_and_initial_motion_are_the_references_to_rounding(method):
     """In the published recurrence rounding of a position, 1e-16, is one of a velocity, 1e-16 / h; some hundreds of such add up."""
@@ -67,13 +57,6 @@ def test_damping_gravity_and_initial_motion_are_the_references_to_rounding(metho
         (x, v), rounding = reference.leapfrog(model, x, v, 5e-4, 400, external=external), (1e-12, 1e-10)
     assert points(result)[-1] == pytest.approx(x, abs=rounding[0])
     assert velocities(result)[-1] == pytest.approx(v, abs=rounding[1])
-
-
-@pytest.mark.parametrize("scene", [STRETCHED, DAMPED_AND_MOVING], ids=["undamped", "damped"])
-def test_central_difference_agrees_with_leapfrog_on_smooth_motion(scene):
-    runs = [simulate(scene, start_values={"solver.step": 2.5e-4, "solver.method": method}) for method in ("leapfrog", "central_difference")]
-    assert points(runs[0]) == pytest.approx(points(runs[1]), abs=1e-10)  # round-off of the recurrence, as above
-    assert velocities(runs[0]) == pytest.approx(velocities(runs[1]), abs=1e-8)
 
 
 def test_central_difference_restarts_with_the_force_of_that_moment():
@@ -124,20 +107,13 @@ def test_the_automatic_step_does_not_feed_a_light_undamped_point(counts):
     assert total.max() < 2 * total[0]
 
 
-def test_the_stable_step_is_a_bound_and_no_more_than_a_fifth_too_short():
-    with Stepper(cube([1.0, 1.0, 1.0])) as stepper:
-        bound = stepper.read("solver.stable_step")[0]
-    exact = 2 / reference.cube().eigenmodes()[0][-1]
-    assert exact / 1.2 < bound <= exact
-
-
-@pytest.mark.parametrize("stretch", [[1.1, 1.0, 1.0], [2.0, 0.7, 1.0], [3.0, 3.0, 3.0]])
-def test_the_stable_step_is_a_bound_of_the_stretched_box_too(stretch):
+@pytest.mark.parametrize(("stretch", "share"), [([1, 1, 1], 1 / 1.2), ([1.1, 1, 1], 0.75), ([2.0, 0.7, 1], 0.75), ([3, 3, 3], 0.75)])
+def test_the_stable_step_is_a_bound_and_not_much_too_short(stretch, share):
     """A stretched spring is stiff across its length as well, by k (1 - l / r)."""
     with Stepper(cube(stretch)) as stepper:
         bound = stepper.read("solver.stable_step")[0]
     exact = 2 / reference.cube().highest_frequency(reference.rest_lattice() * stretch)
-    assert 0.75 * exact < bound <= exact  # 0.87, 0.83, 0.76
+    assert share * exact < bound <= exact * (1 + 1e-9)  # 0.87, 0.83, 0.76 of the stretched ones; the frequency is by differences
 
 
 def test_a_given_step_beyond_stability_is_shortened_and_said_so():
@@ -146,8 +122,3 @@ def test_a_given_step_beyond_stability_is_shortened_and_said_so():
     assert result.outputs["solver.steps"][-1] > 400
     (warning,) = result.summary["warnings"]
     assert "internal step 0.00125 s, a fraction of solver.step = 0.005 s, which is above the stability bound" in warning
-
-
-def test_more_internal_steps_than_allowed_are_refused():
-    with pytest.raises(FmuError, match="most_work"):
-        simulate(STRETCHED, start_values={"solver.step": 1e-9})

@@ -70,6 +70,7 @@ for name in LIVELY:
 """
 
 
+@pytest.mark.full
 def test_the_same_bits_with_every_instruction_set():
     paths = [path for path in sys.path if path.endswith(("support", "solid"))]
 

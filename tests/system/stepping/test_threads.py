@@ -60,13 +60,7 @@ def tasks():
 @pytest.mark.short("3-points2-*", "2-*")
 @pytest.mark.parametrize(
     "threads, points, keys, more",
-    [
-        (1, SIDES, {}, 0),
-        (3, SIDES, {}, 2),
-        (3, SIDES, {"error_estimate": True}, 2),
-        (64, SIDES, {}, 2),
-        (2, [4, 4, 4], {}, 0),
-    ],
+    [(1, SIDES, {}, 0), (3, SIDES, {}, 2), (3, SIDES, {"error_estimate": True}, 2), (64, SIDES, {}, 2), (2, [4, 4, 4], {}, 0)],
 )
 def test_there_are_the_threads_that_the_lattice_has_work_for_while_an_instance_lives(threads, points, keys, more):
     before = tasks()
