@@ -9,7 +9,7 @@ integral is turned into one over its surface by the divergence theorem:
     integral of B_i B_j B_k dV  =  integral of B_i(u) B_j(v) I_k(w) n_z dA,
 
 where n_z dA is a triangle's shadow on the x-y plane and I_k(w) = integral of B_k from 0 to w = sum over l > k of
-B_l(w) / nz, with the Bernstein polynomials B_l of one degree more. For B-splines see mass_bspline.py.
+B_l(w) / nz, with the Bernstein polynomials B_l of one degree more. mass_pieces.py integrates.
 """
 
 from dataclasses import dataclass
@@ -17,18 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from softffd.embedding.basis import weights
 from softffd.embedding.deform import lattice_coordinates
 from softffd.embedding.inertia import covariance, inertia_ratio, require_matched
-from softffd.embedding.mass_bspline import sample_shares, triangle_shares
-from softffd.embedding.quadrature import add_integral, sufficient_degrees
+from softffd.embedding.mass_pieces import Axes, Degrees, control_axis, control_degrees, triangle_shares, vertex_shares
 from softffd.errors import SoftffdError
 from softffd.lattice import rest_grid, shared_by_corners, to_flat
 from softffd.mesh.mesh import Mesh
-from softffd.mesh.normals import area_vectors, merge_by_position
-
-_BLOCK = 1 << 21
-"""Numbers held at a time while integrating: 16 MB."""
+from softffd.mesh.normals import merge_by_position
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,15 +104,12 @@ def filled_words(mesh: Mesh | None, size: tuple[float, ...] | np.ndarray) -> str
 
 
 def enclosed_volume(mesh: Mesh) -> float:
-    """Return the volume inside a closed mesh, m^3. Raises SoftffdError where the mesh is open or encloses
-    nothing."""
+    """Return the volume inside a closed mesh, m^3. Raises SoftffdError where the mesh is open or encloses nothing."""
     if not mesh.closed:
         raise SoftffdError(
-            f"mesh '{mesh.name}' is not closed: {mesh.open_edges} edges have no neighbour that runs the "
-            "other way (a hole, or faces that "
-            "look inwards), so it has no volume. Wanted a closed mesh for mass.density and for "
-            "mass.distribution = 'volume'; "
-            "close it, or give mass.total with the distribution 'surface'."
+            f"mesh '{mesh.name}' is not closed: {mesh.open_edges} edges have no neighbour that runs the other way (a hole, or faces that "
+            "look inwards), so it has no volume. Wanted a closed mesh for mass.density and for mass.distribution = 'volume'; close it, or "
+            "give mass.total with the distribution 'surface'."
         )
     corners = (mesh.vertices - mesh.bounds.mean(axis=0))[mesh.faces]
     volume = abs(float(np.linalg.det(corners).sum()) / 6)
@@ -133,26 +125,25 @@ def _shares(distribution: str, counts: tuple[int, ...], origin: ArrayLike, size:
     if distribution == "box":
         return shared_by_corners(np.ones([count - 1 for count in counts]))
     assert mesh is not None
+    axes, degrees = [control_axis(n, basis) for n in counts], control_degrees(counts, basis, solid=distribution == "volume")
+    return mesh_shares(distribution, axes, degrees, origin, size, mesh)
+
+
+def mesh_shares(distribution: str, axes: Axes, degrees: Degrees, origin: ArrayLike, size: ArrayLike, mesh: Mesh) -> np.ndarray:
+    """What points (nx, ny, nz) have of a mesh's vertices, surface or volume, not yet summing to one. SoftffdError where a body of a volume
+    is inside out."""
     if distribution == "vertices":
         _, positions = merge_by_position(mesh.vertices[np.unique(mesh.faces)])
-        return _vertex_shares(lattice_coordinates(positions, origin, size), counts, basis)
-    corners = lattice_coordinates(mesh.vertices, origin, size)[mesh.faces]
-    solid = distribution == "volume"
-    if solid:
-        enclosed_volume(mesh)
-    shares = (
-        triangle_shares(corners, np.asarray(size), counts, solid=solid) if basis == "bspline" else _integrals(corners, mesh, counts, solid)
-    )
-    return outwards(shares / shares.sum(), mesh) if solid else shares
-
-
-def outwards(shares: np.ndarray, mesh: Mesh) -> np.ndarray:
-    """The shares of a solid, which are positive where all its faces look the same way, out or in."""
+        return vertex_shares(axes, lattice_coordinates(positions, origin, size))
+    if distribution == "surface":
+        return triangle_shares(axes, mesh, origin, size, degrees, solid=False)
+    enclosed_volume(mesh)
+    shares = triangle_shares(axes, mesh, origin, size, degrees, solid=True)
+    shares /= shares.sum()
     if shares.min() < -1e-9 / shares.size:
         raise SoftffdError(
-            f"mesh '{mesh.name}': some of its bodies are inside out, so that their volume would count as negative. "
-            "Wanted faces that all run counter-clockwise seen from outside; recalculate the normals in the "
-            "modelling program."
+            f"mesh '{mesh.name}': some of its bodies are inside out, so that their volume would count as negative. Wanted faces that all "
+            "run counter-clockwise seen from outside; recalculate the normals in the modelling program."
         )
     return np.maximum(shares, 0.0)
 
@@ -172,42 +163,3 @@ def _centre(shares: np.ndarray, origin: ArrayLike, size: ArrayLike) -> np.ndarra
     """Centre of mass (3,) m of shares (nx, ny, nz) that sum to one."""
     grid = rest_grid(shares.shape, np.zeros(3), np.ones(3))
     return np.asarray(origin) + np.asarray(size) * [float((shares * grid[..., axis]).sum()) for axis in range(3)]
-
-
-def _vertex_shares(coordinates: np.ndarray, counts: tuple[int, ...], basis: str) -> np.ndarray:
-    if basis == "bspline":
-        return sample_shares(coordinates, np.ones(len(coordinates)), counts)
-    step = max(1, _BLOCK // (int(counts[0]) * int(counts[1])))
-    blocks = (coordinates[start : start + step] for start in range(0, len(coordinates), step))
-    return sum((_products(block, np.ones(len(block)), counts) for block in blocks), np.zeros(counts))
-
-
-def _products(coordinates: np.ndarray, masses: np.ndarray, counts: tuple[int, ...]) -> np.ndarray:
-    """Sum of m_s B_i(u_s) B_j(v_s) B_k(w_s) over samples, shape (nx, ny, nz)."""
-    u, v, w = (weights(t, n).T for t, n in zip(coordinates.T, counts, strict=True))
-    return _summed(u, v, w, masses)
-
-
-def _products_below(coordinates: np.ndarray, masses: np.ndarray, counts: tuple[int, ...]) -> np.ndarray:
-    """The same with I_k(w), the integral of B_k from 0 to w, in place of B_k(w)."""
-    u, v = (weights(t, n).T for t, n in zip(coordinates.T[:2], counts[:2], strict=True))
-    higher = weights(coordinates[:, 2], counts[2] + 1).T
-    return _summed(u, v, np.cumsum(higher[:0:-1], axis=0)[::-1] / counts[2], masses)
-
-
-def _summed(u: np.ndarray, v: np.ndarray, w: np.ndarray, masses: np.ndarray) -> np.ndarray:
-    """Sums that are the same bits on every processor, which matrix products are not."""
-    plane = ((u * masses)[:, None] * v[None]).reshape(-1, len(masses))
-    return np.stack([(plane * along).sum(axis=1) for along in w], axis=1).reshape(len(u), len(v), len(w))
-
-
-def _integrals(corners: np.ndarray, mesh: Mesh, counts: tuple[int, ...], solid: bool) -> np.ndarray:
-    """Sum over triangles of area times the mean of the integrand; corners (F, 3, 3), box coordinates."""
-    normals = area_vectors(mesh.vertices[mesh.faces]) / 2
-    areas, products = (normals[:, 2], _products_below) if solid else (np.linalg.norm(normals, axis=1), _products)
-    exact = sum(counts) - 3 + solid
-    reach = np.ptp(corners, axis=1) @ (np.array(counts) - 1.0)
-    degrees = sufficient_degrees(reach, exact)
-    total = np.zeros(counts)
-    add_integral(total, corners, areas, degrees, products, _BLOCK // (int(counts[0]) * int(counts[1])))
-    return total

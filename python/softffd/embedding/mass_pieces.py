@@ -1,4 +1,5 @@
-"""Shares of the mass where the weights of an axis are one polynomial from one cut to the next: B-splines, or hat functions between nodes.
+"""Shares of a mass by weights along the axes of a lattice, each one polynomial from one cut of the axis to the next: Bernstein polynomials,
+which have no cut within, B-splines, or hat functions between nodes.
 
 Triangles are cut at the cuts of all three axes, so that on a piece the integrands of mass.py are smooth. A sample counts for the points
 near it, and for a solid for those below, whose integrals up to the sample's height are their integrals over the whole axis: such a column
@@ -10,12 +11,20 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from softffd.embedding.quadrature import add_integral
+from softffd.embedding.basis import bsplines, local_weights, parameter, weights
+from softffd.embedding.deform import lattice_coordinates
+from softffd.embedding.quadrature import add_integral, sufficient_degrees
+from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import area_vectors
 
 Local = tuple[np.ndarray, np.ndarray]
 """At places (m,): the first point that counts (m,), and how much it and those behind it do (m, few)."""
+
+EXACT_DEGREE, END_DEGREE = 10, 27
+"""Degrees of quadrature for pieces of B-splines: in the middle, where all integrands are polynomials in the place, and in spans that touch
+an end, where the parameter bends: measured, see the tests."""
 
 _BLOCK = 1 << 21
 """Numbers held at a time: 16 MB."""
@@ -39,24 +48,70 @@ Degrees = Callable[[np.ndarray], np.ndarray]
 """Of quadrature that is enough for pieces (P, 3, 3) in box coordinates: (P,)."""
 
 
+def control_axis(n: int, basis: str) -> Axis:
+    """The axis of `n` control points of "bezier" or "bspline"."""
+    if basis == "bezier" or n <= 4:
+        return Axis(np.array([0.0, 1.0]), lambda t: local_weights(t, n), lambda t: _bernstein_integrals(t, n), np.full(n, 1 / n))
+    spans = _span_integrals(n)
+    before = np.vstack([np.zeros(n), np.cumsum(spans, axis=0)])
+
+    def integrals(t: np.ndarray) -> Local:
+        s = parameter(t, n, basis)
+        first = bsplines(s, n)[0]
+        return first, before[first[:, None], first[:, None] + np.arange(4)] + _from_knot(s, first, n)
+
+    return Axis(knots(n), lambda t: local_weights(t, n, basis), integrals, spans.sum(axis=0))
+
+
+def control_degrees(counts: Sequence[int], basis: str, *, solid: bool) -> Degrees:
+    """Of quadrature for the weights of control points: of Bernstein polynomials that of their product, of B-splines, which along every axis
+    are cubics of the place in cells or flatter, as if all pieces near the ends had the most."""
+    cells = np.array(counts) - 1.0
+
+    def degrees(pieces: np.ndarray) -> np.ndarray:
+        low, high = pieces.min(axis=1), pieces.max(axis=1)
+        if basis == "bezier":
+            return sufficient_degrees((high - low) @ cells, sum(counts) - 3 + solid)
+        bent = np.zeros(len(pieces), dtype=bool)
+        for axis, n in enumerate(counts):
+            if n > 4:
+                begin, end = knots(n)[[2, -3]] + [-1e-9, 1e-9]
+                bent |= (high - low > 1e-6)[:, axis] & ((low[:, axis] < begin) | (high[:, axis] > end))
+        reach = 3 * (high - low) @ cells
+        return np.where(bent, sufficient_degrees(reach, END_DEGREE), sufficient_degrees(reach, EXACT_DEGREE))
+
+    return degrees
+
+
+def knots(n: int) -> np.ndarray:
+    """Places, 0 to 1, where one span of B-splines with `n` > 4 control points ends and the next begins, both ends included."""
+    first, values, _ = bsplines(np.arange(n - 2.0), n)
+    return (first + values @ np.arange(4.0)) / (n - 1)
+
+
 def sample_shares(axes: Axes, coordinates: np.ndarray, masses: np.ndarray) -> np.ndarray:
     """Sum of m_s W_i(u_s) W_j(v_s) W_k(w_s) over samples (m, 3) in box coordinates, shape (nx, ny, nz)."""
     return _summed([axis.weights(t) for axis, t in zip(axes, coordinates.T, strict=True)], masses, _counts(axes))
 
 
-def triangle_shares(axes: Axes, corners: np.ndarray, size: np.ndarray, degrees: Degrees, *, solid: bool) -> np.ndarray:
-    """Shares (nx, ny, nz) of a surface of triangles, corners (F, 3, 3) in box coordinates, or of the solid inside it.
+def vertex_shares(axes: Axes, coordinates: np.ndarray) -> np.ndarray:
+    """Shares (nx, ny, nz) of places (m, 3) in box coordinates that count 1 each."""
+    blocks = (coordinates[block] for block in _blocks(len(coordinates), _numbers_a_sample(axes)))
+    return sum((sample_shares(axes, block, np.ones(len(block))) for block in blocks), np.zeros(_counts(axes)))
 
-    size: sides (3,) [m] of the box.
-    """
-    counts = _counts(axes)
-    total = np.zeros(counts)
+
+def triangle_shares(axes: Axes, mesh: Mesh, origin: ArrayLike, size: ArrayLike, degrees: Degrees, *, solid: bool) -> np.ndarray:
+    """Shares (nx, ny, nz) of the surface of a mesh in the box `origin`, `size` (3,) [m], or of the solid inside it."""
+    total = np.zeros(_counts(axes))
+    corners = np.concatenate([lattice_coordinates(mesh.vertices, origin, size), mesh.vertices], axis=1)[mesh.faces]
     shares = _shares_below if solid else sample_shares
-    for block in _blocks(len(corners), 9 * sum(counts)):
+    for block in _blocks(len(corners), 9 * sum(len(axis.cuts) for axis in axes)):
         pieces = _cut_at_all(axes, corners[block])
-        normals = area_vectors(pieces * size) / 2
-        areas = normals[:, 2] if solid else np.linalg.norm(normals, axis=1)
-        add_integral(total, pieces, areas, degrees(pieces), lambda places, masses, _: shares(axes, places, masses), _BLOCK // 20)
+        normals = area_vectors(pieces[..., 3:]) / 2
+        areas, pieces = normals[:, 2] if solid else np.linalg.norm(normals, axis=1), pieces[..., :3]
+        add_integral(
+            total, pieces, areas, degrees(pieces), lambda places, masses: shares(axes, places, masses), _BLOCK // _numbers_a_sample(axes)
+        )
     return total
 
 
@@ -64,8 +119,21 @@ def _counts(axes: Axes) -> tuple[int, ...]:
     return tuple(len(axis.whole) for axis in axes)
 
 
+def _numbers_a_sample(axes: Axes) -> int:
+    """That are held for it at a time."""
+    nx, ny, _ = (len(axis.whole) if len(axis.cuts) == 2 else 4 for axis in axes)
+    return nx * ny
+
+
+def _blocks(count: int, each: int) -> Iterator[slice]:
+    """Slices of `count` things, `each` numbers a thing, that fit the memory set aside."""
+    step = max(1, _BLOCK // each)
+    return (slice(start, start + step) for start in range(0, count, step))
+
+
 def _cut_at_all(axes: Axes, corners: np.ndarray) -> np.ndarray:
-    """The triangles in pieces (P, 3, 3) that each lie between two cuts of every axis."""
+    """Triangles (F, 3, c), of which the first three numbers of a corner are its box coordinates, in pieces (P, 3, c) that each lie between
+    two cuts of every axis."""
     for number, axis in enumerate(axes):
         for place in axis.cuts[1:-1]:
             height = corners[:, :, number] - place
@@ -76,7 +144,7 @@ def _cut_at_all(axes: Axes, corners: np.ndarray) -> np.ndarray:
 
 
 def _cut(corners: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Triangles (F, 3, 3) cut at height (F, 3) zero: the corner that is alone on its side, and two for the other side."""
+    """Triangles (F, 3, c) cut at height (F, 3) zero: the corner that is alone on its side, and two for the other side."""
     above = height > 0
     alone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (height < 0).argmax(axis=1))
     order = (alone[:, None] + np.arange(3)) % 3
@@ -92,14 +160,20 @@ def _shares_below(axes: Axes, coordinates: np.ndarray, masses: np.ndarray) -> np
     u, v = (axis.weights(t) for axis, t in zip(axes[:2], coordinates.T[:2], strict=True))
     first, integrals = axes[2].integrals(coordinates[:, 2])
     total = _summed([u, v, (first, integrals)], masses, counts)
+    if len(axes[2].cuts) == 2:
+        return total
     below = _summed([u, v, (first, np.ones((len(first), 1)))], masses, counts)
     passed = np.cumsum(below[:, :, ::-1], axis=2)[:, :, ::-1] - below
     return total + passed * axes[2].whole
 
 
 def _summed(local: Sequence[Local], masses: np.ndarray, counts: Sequence[int]) -> np.ndarray:
-    """Sum over samples of masses (m,) times the product of what counts along each axis."""
+    """Sum over samples of masses (m,) times the product of what counts along each axis: with the same bits on every processor, which matrix
+    products have not."""
     (i, u), (j, v), (k, w) = local
+    if (u.shape[1], v.shape[1], w.shape[1]) == tuple(counts):  # every point counts everywhere
+        plane = ((u.T * masses)[:, None] * v.T).reshape(-1, len(masses))
+        return np.stack([(plane * along).sum(axis=1) for along in w.T], axis=1).reshape(counts)
     total = np.zeros(int(np.prod(counts)))
     corner = (i * counts[1] + j) * counts[2] + k
     for a, b, c in product(*(range(part.shape[1]) for part in (u, v, w))):
@@ -108,7 +182,26 @@ def _summed(local: Sequence[Local], masses: np.ndarray, counts: Sequence[int]) -
     return total.reshape(counts)
 
 
-def _blocks(count: int, each: int) -> Iterator[slice]:
-    """Slices of `count` things, `each` numbers a thing, that fit the memory set aside."""
-    step = max(1, _BLOCK // each)
-    return (slice(start, start + step) for start in range(0, count, step))
+def _bernstein_integrals(t: np.ndarray, n: int) -> Local:
+    """I_i(t) of mass.py."""
+    return np.zeros(len(t), dtype=np.int64), np.cumsum(weights(t, n + 1)[:, :0:-1], axis=1)[:, ::-1] / n
+
+
+def _span_integrals(n: int) -> np.ndarray:
+    """Integrals of the weights (n,) over each span, (n - 3, n)."""
+    spans = np.arange(n - 3)
+    dense = np.zeros((n - 3, n))
+    np.put_along_axis(dense, spans[:, None] + np.arange(4), _from_knot(spans + 1.0, spans, n), axis=1)
+    return dense
+
+
+def _from_knot(s: np.ndarray, first: np.ndarray, n: int) -> np.ndarray:
+    """Integrals of the four weights of span `first` (m,) from its lower knot to the parameter `s` (m,), shape (m, 4).
+
+    N dX/ds is of degree 5 in s, for which three points after Gauss are exact.
+    """
+    total = np.zeros((len(s), 4))
+    for point, share in zip(*np.polynomial.legendre.leggauss(3), strict=True):
+        _, values, slope = bsplines(first + (s - first) * (point + 1) / 2, n)
+        total += ((s - first) * share / 2 * slope / (n - 1))[:, None] * values
+    return total

@@ -10,14 +10,12 @@ places x_i and x_i+1 around an X have the variance (X - x_i) (x_i+1 - X) at leas
 import numpy as np
 from numpy.typing import ArrayLike
 
-from softffd.embedding.deform import lattice_coordinates
 from softffd.embedding.inertia import covariance, inertia_ratio, nearest_shares
-from softffd.embedding.mass import Masses, enclosed_volume, flat_shares, outwards, total_mass
-from softffd.embedding.mass_pieces import Axis, Local, sample_shares, triangle_shares
+from softffd.embedding.mass import Masses, flat_shares, mesh_shares, total_mass
+from softffd.embedding.mass_pieces import Axis, Local
 from softffd.embedding.nodes import axis_nodes, rest_nodes, volume_shares
 from softffd.errors import SoftffdError
 from softffd.mesh.mesh import Mesh
-from softffd.mesh.normals import merge_by_position
 
 FLOORS = (0.3, 0.25, 0.2, 0.15, 0.1)
 """The first that is possible counts."""
@@ -53,16 +51,8 @@ def node_masses(
 
 def hat_shares(distribution: str, counts: tuple[int, ...], origin: ArrayLike, size: ArrayLike, mesh: Mesh) -> np.ndarray:
     """What the nodes (nx, ny, nz) have of a mesh's vertices, surface or volume by hat functions between them; not yet summing to one."""
-    axes = [_hats(count) for count in counts]
-    if distribution == "vertices":
-        _, positions = merge_by_position(mesh.vertices[np.unique(mesh.faces)])
-        return sample_shares(axes, lattice_coordinates(positions, origin, size), np.ones(len(positions)))
-    corners, solid = lattice_coordinates(mesh.vertices, origin, size)[mesh.faces], distribution == "volume"
-    if solid:
-        enclosed_volume(mesh)
-    degree = 4 if solid else 3  # of W_i W_j I_k and of W_i W_j W_k
-    shares = triangle_shares(axes, corners, np.asarray(size), lambda pieces: np.full(len(pieces), degree), solid=solid)
-    return outwards(shares / shares.sum(), mesh) if solid else shares
+    degree = 4 if distribution == "volume" else 3  # of W_i W_j I_k and of W_i W_j W_k
+    return mesh_shares(distribution, [_hats(n) for n in counts], lambda pieces: np.full(len(pieces), degree), origin, size, mesh)
 
 
 def _hats(n: int) -> Axis:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from softffd.embedding.basis import weights
+from softffd.embedding.mass_pieces import control_axis
 from softffd.embedding.nodes import axis_shares, rest_nodes
 from softffd.lattice import LatticeBox, to_flat
 from softffd.mesh.normals import area_vectors
@@ -61,22 +61,13 @@ def lattice_places(box: LatticeBox, *, solid: bool) -> Array:
 
 def lattice_areas(box: LatticeBox, *, solid: bool) -> Array:
     """The areas (n, 3) m2 around them, outward; 0 of those inside."""
-    shares = [axis_shares(n) if solid else _axis_shares(n, box.basis) for n in box.points]
+    shares = [axis_shares(n) if solid else control_axis(n, box.basis).whole for n in box.points]
     areas = np.zeros((*box.points, 3))
     for axis, (one, other) in enumerate(((1, 2), (0, 2), (0, 1))):
         face = np.outer(shares[one], shares[other]) * box.size[one] * box.size[other]
         for end, sign in ((0, -1), (-1, 1)):
             np.moveaxis(areas[..., axis], axis, 0)[end] += sign * face
     return to_flat(areas)
-
-
-def _axis_shares(n: int, basis: str) -> Array:
-    """The integral (n,) of each weight along an axis from 0 to 1."""
-    if basis == "bezier":
-        return np.full(n, 1 / n)
-    at, of = np.polynomial.legendre.leggauss(8)
-    pieces = 16 * n
-    return np.tile(of / (2 * pieces), pieces) @ weights(((np.arange(pieces)[:, None] + (at + 1) / 2) / pieces).ravel(), n, basis)
 
 
 def points_on(where: Where, areas: Array, places: Array) -> Array:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-Integrand = Callable[[np.ndarray, np.ndarray, tuple[int, ...]], np.ndarray]
+Integrand = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def sufficient_degrees(reach: np.ndarray, exact: int) -> np.ndarray:
@@ -28,14 +28,14 @@ def sufficient_degrees(reach: np.ndarray, exact: int) -> np.ndarray:
 def add_integral(total: np.ndarray, corners: np.ndarray, areas: np.ndarray, degrees: np.ndarray, each: Integrand, at_once: int) -> None:
     """Add to `total` (nx, ny, nz) the sum over triangles (F, 3, 3) of area (F,) times the mean of the integrand, by rules of degrees (F,).
 
-    each: gives the sum over samples (m, 3) of masses (m,) for a lattice of (nx, ny, nz). at_once: samples that it is asked for at a time.
+    each: gives the sum over samples (m, 3) of masses (m,), (nx, ny, nz). at_once: samples that it is asked for at a time.
     """
     for degree in np.unique(degrees):
         rule, chosen = triangle_rule(int(degree)), np.flatnonzero(degrees == degree)
         step = max(1, at_once // len(rule.share))
         for some in (chosen[start : start + step] for start in range(0, len(chosen), step)):
             samples = np.einsum("sc,fcx->fsx", rule.corner_weights, corners[some]).reshape(-1, 3)
-            total += each(samples, np.outer(areas[some], rule.share).reshape(-1), total.shape)
+            total += each(samples, np.outer(areas[some], rule.share).reshape(-1))
 
 
 class TriangleRule(NamedTuple):

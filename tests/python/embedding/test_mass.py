@@ -3,16 +3,15 @@
 import os
 import subprocess
 import sys
-from importlib import import_module
 from math import factorial
 
 import numpy as np
 import pytest
 import trimesh
 
+from softffd.embedding import mass_pieces
 from softffd.embedding.basis import weights
 from softffd.embedding.mass import enclosed_volume, point_masses
-from softffd.embedding.mass_bspline import knots
 from softffd.embedding.quadrature import sufficient_degrees, triangle_rule
 from softffd.errors import SoftffdError
 from softffd.mesh.files import load_mesh
@@ -137,8 +136,7 @@ def test_the_triangle_rule_is_exact_to_its_degree_and_not_beyond(degree):
 def test_a_much_finer_quadrature_changes_nothing(distribution, counts, basis, make, monkeypatch):
     keys = {"counts": counts, "basis": basis, "uniform_share": 1e-9}
     found = masses(distribution, make(), **keys)
-    for name in ("softffd.embedding.mass", "softffd.embedding.mass_bspline"):
-        monkeypatch.setattr(import_module(name), "sufficient_degrees", lambda reach, exact: np.full(len(reach), 2 * exact))
+    monkeypatch.setattr(mass_pieces, "sufficient_degrees", lambda reach, exact: np.full(len(reach), 2 * exact))
     finer = masses(distribution, make(), **keys)
     np.testing.assert_allclose(found.mass, finer.mass, rtol=0, atol=1e-13 * found.mass.mean())
 
@@ -148,7 +146,7 @@ def test_a_solid_of_bsplines_that_fills_the_box_gives_each_point_the_integrals_o
     t, share = (part[None] for part in np.polynomial.legendre.leggauss(200))
     axes = []
     for n in counts:
-        ends = knots(n)
+        ends = mass_pieces.control_axis(n, "bspline").cuts
         half = np.diff(ends)[:, None] / 2
         axes.append((half * share).reshape(-1) @ weights((ends[:-1, None] + half * (1 + t)).reshape(-1), n, "bspline"))
     expected = np.einsum("i,j,k->kji", *axes).reshape(-1)
