@@ -78,11 +78,6 @@ PLAIN = Looks()
 """Nothing is said of looks."""
 
 
-def one_material(texture: Picture, faces: int) -> Looks:
-    """Looks of a mesh that is all one picture."""
-    return Looks((Material("surface", None, texture),), np.zeros(faces, dtype=np.int64))
-
-
 def from_face_colours(colours: np.ndarray) -> Looks:
     """Looks of faces with a colour each, (F, 3), 0 .. 1: a material for each colour, called after it."""
     shades, index = np.unique(np.round(255 * colours).clip(0, 255).astype(np.int64), axis=0, return_inverse=True)

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from softffd.mesh.looks import PLAIN, Looks, Picture, one_material
+from softffd.mesh.looks import PLAIN, Looks, Material, Picture
 from softffd.mesh.normals import merge_by_position
 
 
@@ -35,8 +35,8 @@ class Mesh:
         if self.uv is not None:
             object.__setattr__(self, "uv", np.asarray(self.uv, dtype=np.float64))
         if self.texture is not None and not self.looks.materials:
-            drawn = one_material(self.texture, len(self.faces))
-            object.__setattr__(self, "looks", replace(self.looks, materials=drawn.materials, material_of=drawn.material_of))
+            surface, all_faces = Material("surface", None, self.texture), np.zeros(len(self.faces), dtype=np.int64)
+            object.__setattr__(self, "looks", replace(self.looks, materials=(surface,), material_of=all_faces))
         textures = self.looks.textures
         object.__setattr__(self, "texture", textures[0] if len(textures) == 1 else None)
         shapes = [

@@ -8,7 +8,7 @@ from math import isnan, nan
 from pathlib import Path
 
 from softffd.mesh.looks import Colour, Material, Picture
-from softffd.mesh.polygons import beside, decoded, open_texture, plain_text
+from softffd.mesh.polygons import beside, decoded, found_beside, open_texture, plain_text
 from softffd.spelling import few
 
 _PLACING = {"-s", "-o", "-t"}
@@ -30,18 +30,13 @@ class Library:
     def read(self, names: str) -> None:
         """Read what follows `mtllib`: a file's name, or several."""
         whole = (names.strip('"'), without_comment(names).strip('"'))
-        several = next(([name] for name in whole if self._file(name)), whole[1].split())
+        several = next(([name] for name in whole if found_beside(self._folder, name, anywhere=True)), whole[1].split())
         for name in several:
-            file = self._file(name)
+            file = found_beside(self._folder, name, anywhere=True)
             if file is None:
                 self._missing.append(name if beside(self._folder, name) else f"{name}, which is outside of its folder,")
             else:
                 self._read_lines(decoded(plain_text(file.read_bytes())).splitlines())
-
-    def _file(self, name: str) -> Path | None:
-        """The file of this name, or of its last part, in the mesh's folder or below."""
-        found = (beside(self._folder, each) for each in (name, name.replace("\\", "/").rpartition("/")[2]))
-        return next((file for file in found if file is not None and file.is_file()), None)
 
     def _read_lines(self, lines: list[str]) -> None:
         record: dict[str, str] = {}
@@ -90,7 +85,7 @@ class Library:
                 words.pop(0)
         name = " ".join(words)
         names = (name.strip('"'), without_comment(name).strip('"'))
-        file = next(filter(None, map(self._file, names)), None)
+        file = next(filter(None, (found_beside(self._folder, each, anywhere=True) for each in names)), None)
         if file is None:
             if beside(self._folder, names[1]) is None:
                 why = "is outside of the mesh's folder: it is not opened"

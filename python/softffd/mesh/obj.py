@@ -9,7 +9,7 @@ from array import array
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -60,18 +60,20 @@ class _Records:
         self.colours: dict[int, list[float]] = {}
         self.library = Library(path.parent)
         self.passed_over: list[int] = []
-        self.materials, self.groups = _Marks(""), _Marks(Group())
+        self.material, self.group = "", Group()  # of the faces that follow
+        self.materials: list[str] = []
+        self.groups: list[Group] = []
 
     def _name(self, key: bytes, rest: str) -> None:
         name = " ".join(rest.split())
         if key == b"mtllib":
             self.library.read(rest)
         elif key == b"usemtl":
-            self.materials.now = name
+            self.material = name
         elif key == b"o":
-            self.groups.now = Group(object=without_comment(name))
+            self.group = Group(object=without_comment(name))
         else:
-            self.groups.now = self.groups.now._replace(group=without_comment(name))
+            self.group = self.group._replace(group=without_comment(name))
 
     def read_alike(self, key: bytes, first: int, lines: list[bytes]) -> bool:
         """Read lines of one key, the first of number `first`, at once; False, with nothing read, where they are not alike."""
@@ -111,8 +113,8 @@ class _Records:
     def _add_faces(self, lines: Sequence[int], counts: list[int]) -> None:
         self.counts += counts
         self.face_lines += lines
-        self.materials.mark(len(counts))
-        self.groups.mark(len(counts))
+        self.materials += [self.material] * len(counts)
+        self.groups += [self.group] * len(counts)
 
     def read_line(self, number: int, line: bytes) -> None:
         key, *rest = line.split(None, 1)[:2] or [b"#"]
@@ -170,8 +172,8 @@ class _Records:
             raise damaged(self.path, str(fault)) from None
 
     def _looks(self) -> Looks:
-        names, material_of = self.materials.found()
-        groups, group_of = self.groups.found()
+        names, material_of = _numbered(self.materials, "")
+        groups, group_of = _numbered(self.groups, Group())
         looks = Looks(self.library.materials(names), material_of, self._vertex_colours(), groups, group_of, tuple(self.library.notes))
         if not self.passed_over:
             return looks
@@ -187,22 +189,11 @@ class _Records:
         return np.nan_to_num(colours).clip(0, 1)
 
 
-class _Marks(Generic[T]):
-    """What holds for the faces that follow, a material or a group, and which each face has had."""
-
-    def __init__(self, nothing: T):
-        self.now, self._nothing = nothing, nothing
-        self._numbers: dict[T, int] = {}
-        self._faces: list[int] = []
-
-    def mark(self, faces: int) -> None:
-        self._faces += [self._numbers.setdefault(self.now, len(self._numbers))] * faces
-
-    def found(self) -> tuple[tuple[T, ...], np.ndarray | None]:
-        """What faces have, in the order of the file, and the index of each face; nothing where no face has anything."""
-        if set(self._numbers) <= {self._nothing}:
-            return (), None
-        return tuple(self._numbers), np.array(self._faces, dtype=np.int64)
+def _numbered(values: list[T], nothing: T) -> tuple[tuple[T, ...], np.ndarray | None]:
+    """The different values in their order, and the index that each has of them; none where all are nothing."""
+    numbers: dict[T, int] = {}
+    index = np.array([numbers.setdefault(value, len(numbers)) for value in values], dtype=np.int64)
+    return (tuple(numbers), index) if set(numbers) - {nothing} else ((), None)
 
 
 def _rows(lines: list[bytes], least: int) -> np.ndarray | None:

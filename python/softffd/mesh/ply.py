@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from softffd.mesh.looks import PLAIN, Looks, Material, from_face_colours
-from softffd.mesh.polygons import Triangles, assemble, beside, damaged, open_texture, plain_text
+from softffd.mesh.polygons import Triangles, assemble, damaged, found_beside, open_texture, plain_text
 
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _TYPES = {
@@ -60,7 +60,7 @@ def read_ply(path: Path, data: bytes) -> Triangles:
         numbers = _Numbers(rest, header.order)
         records = {element.name: _read_element(numbers, element) for element in header.elements}
         if header.order == "" and numbers.left:
-            raise ValueError(f"{numbers.left} numbers follow after all that the header describes")
+            raise ValueError(f"{numbers.left // 8} numbers follow after all that the header describes")
         triangles = _triangles(path, header, records)
         note = f"{numbers.left} bytes that follow after all that the header describes" if numbers.left else ""  # padding
         return triangles._replace(looks=triangles.looks.and_notes(note))
@@ -96,22 +96,27 @@ def _read_header(data: bytes) -> tuple[_Header, bytes]:
 
 
 class _Numbers:
-    """What follows the header, taken from the front on: bytes, or in a text numbers."""
+    """What follows the header, taken from the front on; all numbers of a text are doubles."""
 
     def __init__(self, body: bytes, order: str):
-        self._order, self._at = order, 0
-        try:
-            self._body: Any = body if order else np.array(list(map(float, body.split())))
-        except ValueError:
-            raise ValueError("the data hold something that is not a number") from None
+        self._body, self._order, self._at = body, order, 0
+        if not order:
+            try:
+                self._body = np.array(list(map(float, body.split()))).tobytes()
+            except ValueError:
+                raise ValueError("the data hold something that is not a number") from None
 
     @property
     def left(self) -> int:
+        """Bytes."""
         return len(self._body) - self._at
 
+    def kind(self, type_: str) -> str:
+        """Of one number of a type of the header, as it is held."""
+        return self._order + type_ if self._order else "f8"
+
     def size(self, type_: str) -> int:
-        """How much of what is left one number takes."""
-        return int(type_[1]) if self._order else 1
+        return int(self.kind(type_)[-1])
 
     def take(self, types: list[str], counts: list[int], records: int) -> list[np.ndarray]:
         """The next `records` records, each of groups of so many numbers of one type; arrays (records, count)."""
@@ -120,9 +125,7 @@ class _Numbers:
         if size > self.left:
             raise ValueError("the file ends within the data that the header promises")
         self._at += size
-        if not self._order:
-            return np.split(self._body[start : start + size].reshape(records, -1), np.cumsum(counts)[:-1], axis=1)
-        record = np.dtype([(f"f{n}", self._order + type_, (count,)) for n, (type_, count) in enumerate(groups)])
+        record = np.dtype([(f"f{n}", self.kind(type_), (count,)) for n, (type_, count) in enumerate(groups)])
         table = np.frombuffer(self._body, record, count=records, offset=start)
         return [table[f"f{n}"] for n in range(len(groups))]
 
@@ -238,7 +241,7 @@ def _face_looks(folder: Path, header: _Header, face: dict[str, Any], faces: int,
     """Materials of the faces: pictures, where they are `placed` by texture coordinates, or the faces' own colours."""
     colours = _colours(header, "face", face)
     if header.textures and placed:
-        files = [beside(folder, name) or beside(folder, name.replace("\\", "/").rpartition("/")[2]) for name in header.textures]
+        files = [found_beside(folder, name, anywhere=True) for name in header.textures]
         images = [None if file is None else open_texture(file) for file in files]
         materials = tuple(Material(Path(name).stem, None, image) for name, image in zip(header.textures, images, strict=True))
         lost = [name for name, image in zip(header.textures, images, strict=True) if image is None]

@@ -97,9 +97,11 @@ def beside(folder: Path, name: str) -> Path | None:
     return file if "\0" not in name and file.is_relative_to(os.path.normpath(folder)) else None
 
 
-def found_beside(folder: Path, name: str) -> Path | None:
-    """The same where the file is there, by its name or, as in addresses, with %20 for a blank."""
-    files = (beside(folder, each) for each in (name, unquote(name)))
+def found_beside(folder: Path, name: str, *, anywhere: bool = False) -> Path | None:
+    """The same where the file is there, by its name, or as in addresses with %20 for a blank; of names in folders that may be anywhere the
+    last part counts."""
+    names = (name, name.replace("\\", "/").rpartition("/")[2]) if anywhere else (name, unquote(name))
+    files = (beside(folder, each) for each in names)
     return next((file for file in files if file is not None and file.is_file()), None)
 
 
