@@ -17,7 +17,7 @@ from softffd.embedding.basis import bsplines, local_weights, parameter, weights
 from softffd.embedding.deform import lattice_coordinates
 from softffd.embedding.quadrature import add_integral, sufficient_degrees
 from softffd.mesh.mesh import Mesh
-from softffd.mesh.normals import area_vectors
+from softffd.mesh.normals import area_vectors, cut_triangles
 
 Local = tuple[np.ndarray, np.ndarray]
 """At places (m,): the first point that counts (m,), and how much it and those behind it do (m, few)."""
@@ -136,22 +136,8 @@ def _cut_at_all(axes: Axes, corners: np.ndarray) -> np.ndarray:
     two cuts of every axis."""
     for number, axis in enumerate(axes):
         for place in axis.cuts[1:-1]:
-            height = corners[:, :, number] - place
-            crossing = (height.min(axis=1) < 0) & (height.max(axis=1) > 0)
-            if crossing.any():
-                corners = np.concatenate([corners[~crossing], _cut(corners[crossing], height[crossing])])
+            corners = cut_triangles(corners, corners[:, :, number] - place)
     return corners
-
-
-def _cut(corners: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Triangles (F, 3, c) cut at height (F, 3) zero: the corner that is alone on its side, and two for the other side."""
-    above = height > 0
-    alone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (height < 0).argmax(axis=1))
-    order = (alone[:, None] + np.arange(3)) % 3
-    a, b, c = np.take_along_axis(corners, order[:, :, None], axis=1).transpose(1, 0, 2)
-    at, bt, ct = np.take_along_axis(height, order, axis=1).T[:, :, None]
-    ab, ac = (b * at - a * bt) / (at - bt), (c * at - a * ct) / (at - ct)
-    return np.concatenate([np.stack(piece, axis=1) for piece in ((a, ab, ac), (ab, b, c), (ab, c, ac))])
 
 
 def _shares_below(axes: Axes, coordinates: np.ndarray, masses: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from softffd.mesh.mesh import Mesh
 from softffd.run.progress import Note, silent
 from softffd.run.result import Result
 from softffd.show.raster import Tint
-from softffd.show.stage import PlaneTrack, SolidTrack, Stage, stage_of
+from softffd.show.stage import PlaneTrack, SolidTrack, Stage, stage_of, surface_of
 
 FLOOR, PLATE = 1.5, 1.0
 """Half the side of a plane's square, as a share of half the diagonal of all there is to see"""
@@ -73,7 +73,7 @@ class Take:
     @cached_property
     def mesh(self) -> Mesh:
         """The object's surface at rest: the scene's mesh, else the boundary of the box."""
-        return self.result.loaded_mesh or Mesh(self.stage.vertices, self.stage.faces, name="box")
+        return surface_of(self.result, self.stage)
 
     def deformed(self, row: int) -> np.ndarray:
         """The vertices (V, 3) [m] of the mesh at a row."""

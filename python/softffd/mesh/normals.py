@@ -56,6 +56,20 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
     return np.cross(b - a, c - a)
 
 
+def cut_triangles(corners: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """Triangles (G, 3, c) that each lie on one side of the height 0: of triangles (F, 3, c) with heights (F, 3) of their corners, those
+    that cross it in three parts, one at the corner that is alone on its side, two on the other. The c numbers are linear between."""
+    crossing = (height.min(axis=1) < 0) & (height.max(axis=1) > 0)
+    kept, corners, height = corners[~crossing], corners[crossing], height[crossing]
+    above = height > 0
+    alone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (height < 0).argmax(axis=1))
+    order = (alone[:, None] + np.arange(3)) % 3
+    a, b, c = np.take_along_axis(corners, order[:, :, None], axis=1).transpose(1, 0, 2)
+    at, bt, ct = np.take_along_axis(height, order, axis=1).T[:, :, None]
+    ab, ac = (b * at - a * bt) / (at - bt), (c * at - a * ct) / (at - ct)
+    return np.concatenate([kept, *(np.stack(piece, axis=1) for piece in ((a, ab, ac), (ab, b, c), (ab, c, ac)))])
+
+
 def _unit(vectors: np.ndarray) -> np.ndarray:
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(length > 0, length, 1.0)

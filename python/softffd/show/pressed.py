@@ -4,10 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from softffd.mesh.mesh import Mesh
 from softffd.run.pressure import surface_pressure, taxel_pressure, with_pressure
 from softffd.run.result import Result
-from softffd.show.stage import Stage
+from softffd.show.stage import Stage, surface_of
 
 NAME, WORDS = "contact_pressure", "contact pressure on taxels, mean of the communication step"
 FACES = 0.2
@@ -22,7 +21,7 @@ def outward(result: Result) -> np.ndarray:
 
 def stage_pressure(result: Result, stage: Stage, frames: np.ndarray) -> np.ndarray:
     """At the vertices of the stage (T, V) [Pa]."""
-    return surface_pressure(result.outputs, result.covered_by_taxels(_surface(result, stage)), frames)[:, _source(result, stage)]
+    return surface_pressure(result.outputs, result.covered_by_taxels(surface_of(result, stage)), frames)[:, _source(result, stage)]
 
 
 def atlas(result: Result, frames: np.ndarray) -> np.ndarray:
@@ -50,7 +49,7 @@ class AtlasPlaces:
 
 def atlas_places(result: Result, stage: Stage) -> AtlasPlaces | None:
     """None where there are no taxels with pressures."""
-    parts = result.covered_by_taxels(_surface(result, stage))
+    parts = result.covered_by_taxels(surface_of(result, stage))
     if not parts:
         return None
     source, sides, count = _source(result, stage), np.array(_sides(result)), len(parts)
@@ -65,10 +64,6 @@ def atlas_places(result: Result, stage: Stage) -> AtlasPlaces | None:
 def _sides(result: Result) -> tuple[int, int]:
     counts = [grid.counts for grid in with_pressure(result.taxels, result.outputs)]
     return max(n for n, _ in counts) + 1, max(m for _, m in counts) + 1
-
-
-def _surface(result: Result, stage: Stage) -> Mesh:
-    return result.loaded_mesh or Mesh(stage.vertices, stage.faces, name="box")
 
 
 def _source(result: Result, stage: Stage) -> np.ndarray:

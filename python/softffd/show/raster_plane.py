@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from softffd.mesh.normals import cut_triangles
 from softffd.show.raster import Canvas, Tint, fragments
 from softffd.show.skin import single
 
@@ -25,18 +26,8 @@ def draw_solid(canvas: Canvas, vertices: np.ndarray, normals: np.ndarray, faces:
 
 def _in_front(corners: np.ndarray, ahead: np.ndarray) -> np.ndarray:
     """Triangles (G, 3, C) that are the parts of triangles (F, 3, C) where `ahead` (F, 3), given at the corners, is positive."""
-    inside = ahead > 0
-    count = inside.sum(axis=1)
-    parts = [corners[count == 3]]
-    for n in (1, 2):
-        some = np.flatnonzero(count == n)
-        lone = (inside[some] == (n == 1)).argmax(axis=1)  # the corner that is alone on its side comes first
-        order = some[:, None], (lone[:, None] + np.arange(3)) % 3
-        (a, b, c), (at, bt, ct) = np.moveaxis(corners[order], 1, 0), ahead[order].T
-        ab, ac = (a + (end - a) * (at / (at - t))[:, None] for end, t in ((b, bt), (c, ct)))
-        pieces = [(a, ab, ac)] if n == 1 else [(ab, b, c), (ab, c, ac)]
-        parts += [np.stack(piece, axis=1) for piece in pieces]
-    return np.concatenate(parts)
+    pieces = cut_triangles(np.concatenate([corners, ahead[..., None]], axis=2), ahead)
+    return pieces[pieces[..., -1].sum(axis=1) > 0, :, :-1]
 
 
 TEXELS = 192

@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 
+from softffd.show.raster import Camera
 from softffd.show.stage import VIEW, Stage
 
 TURNS = np.radians([0, 30, -30, 60, -60, 90, -90, 120, -120, 150, -150, 180])
@@ -54,10 +55,7 @@ def _behind(stage: Stage, backs: np.ndarray) -> np.ndarray:
 
 def view_axes(up: np.ndarray, view: tuple[float, float] = VIEW) -> np.ndarray:
     """Rows right, above, back (3, 3) of a view."""
-    back = back_of(up, *view)
-    right = np.cross(up, back)
-    right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(back, right), back])
+    return Camera(back_of(up, *view), np.zeros(3), up).axes
 
 
 def back_of(up: np.ndarray, turn: float, lift: float) -> np.ndarray:

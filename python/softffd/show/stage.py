@@ -22,10 +22,7 @@ OBSTACLES = ((0.63, 0.67, 0.73), (0.34, 0.71, 0.91), (0.80, 0.47, 0.65), (0.0, 0
 """Colours that remain apart for the colour-blind, and from the object's paint: its control points, the obstacles in turn."""
 
 VIEW = (-1.0, 0.27)  # from where one looks first, rad: about the up direction, and above the horizon
-BESIDE, AROUND = (
-    0.15,
-    1.0,
-)  # how far beside the lattice a solid, or a free body, is in view, as a share of the diagonal of the lattice's box
+BESIDE, AROUND = 0.15, 1.0  # how far beside the lattice a solid, or a free body, is in view, as a share of the diagonal of its box
 GLANCES = 50  # frames, evenly chosen, whose solids are to be in view
 
 
@@ -140,11 +137,11 @@ class Stage:
         return self._embedding.deform(positions)
 
 
-def surface_of(result: Result) -> Mesh:
-    """The object's surface at rest: the scene's mesh, else the boundary of the box as pictures show it."""
+def surface_of(result: Result, stage: Stage | None = None) -> Mesh:
+    """The object's surface at rest: the scene's mesh, else the boundary of the box as pictures show it. stage: of the result, if known."""
     if result.loaded_mesh is not None:
         return result.loaded_mesh
-    stage = stage_of(result)
+    stage = stage or stage_of(result)
     return Mesh(stage.vertices, stage.faces, name="box")
 
 
@@ -162,9 +159,8 @@ def stage_of(result: Result) -> Stage:
     up = up_direction(result)
     covered = np.stack([positions.min(axis=(0, 1, 2, 3)), positions.max(axis=(0, 1, 2, 3))])
     tints = {name: OBSTACLES[number % len(OBSTACLES)] for number, name in enumerate(result.plane_names())}
-    solids = tuple(
-        _solid_track(solid, tints[solid.name], result, covered) for solid in (result.obstacles.solids if result.obstacles else ())
-    )
+    shapes = result.obstacles.solids if result.obstacles else ()
+    solids = tuple(_solid_track(solid, tints[solid.name], result, covered) for solid in shapes)
     frames = np.unique(np.linspace(0, len(positions) - 1, GLANCES).astype(int))
     seen = np.concatenate([covered, *(beside(covered, solid, frame) for solid in solids for frame in frames)])
     low, high = seen.min(axis=0), seen.max(axis=0)

@@ -4,6 +4,7 @@ the lattice: of a narrow patch, the lattice decides force and size."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -28,9 +29,8 @@ class Touch:
     """What there is to see of contact in a run.
 
     `starts` and `ways` (P, T, 3) [m]: of the arrows of P obstacles, along the force of the object on the obstacle, from the centre of
-    pressure; 0 where there is none. The largest force of the run has the longest arrow, a
-    quarter of it one of half that length.
-    `largest`: that force [N]. `of`: what touches, "lattice" or "surface"; None: either, for all that is known.
+    pressure; 0 where there is none. The largest force of the run, `largest` [N], has the longest arrow, a quarter of it one of half that
+    length. `of`: what touches, "lattice" or "surface"; None: either, for all that is known.
     """
 
     stage: Stage
@@ -117,13 +117,12 @@ def contact_widths(result: Result) -> dict[Part, float]:
     stage = stage_of(result)
     touch, cells = touch_of(result, stage), stage.size / (np.array(stage.counts) - 1)
     widths: dict[Part, float] = {}
-    for obstacle in stage.obstacles:
-        for part, force in forces.items():
-            if part.name == obstacle.name:
-                last = int(force.argmax())  # what was touched in the step may be left at its end
-                places = next(filter(len, (touch.touched(frame, obstacle) for frame in (last, last - 1) if frame >= 0)), None)
-                if places is not None:
-                    widths[part] = float(np.sort(np.ptp(places / cells, axis=0))[1])
+    for obstacle, (part, force) in product(stage.obstacles, forces.items()):
+        if part.name == obstacle.name:
+            last = int(force.argmax())  # what was touched in the step may be left at its end
+            places = next(filter(len, (touch.touched(frame, obstacle) for frame in (last, last - 1) if frame >= 0)), None)
+            if places is not None:
+                widths[part] = float(np.sort(np.ptp(places / cells, axis=0))[1])
     return widths
 
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 
 from softffd.errors import SoftffdError
 from softffd.files import write_text
@@ -30,8 +31,6 @@ from softffd.show.tension import Cells
 from softffd.show.touch import INK, MARK
 from softffd.show.view_body import Body, largest
 
-RAMP = ("ffffd9", "edf8b1", "c7e9b4", "7fcdbb", "41b6c4", "1d91c0", "225ea8", "253494", "081d58")
-"""From little to much: ColorBrewer's YlGnBu with nine classes (Harrower & Brewer 2003)."""
 PAGE = "softffd.show.page"
 STILL = 80  # quality of the still picture (WebP), which is there where a browser cannot draw
 
@@ -128,9 +127,7 @@ def subtitle(body: Body) -> str:
 def sights(stages: Sequence[Stage], title: str) -> dict[str, Any]:
     """Where things are, relative to the stages' centres, so that single precision is enough anywhere in the world; colours."""
     first = stages[0]
-    given = np.array([list(bytes.fromhex(colour)) for colour in RAMP])
-    places = np.linspace(0.1, 1.0, 64) * (len(RAMP) - 1)
-    ramp = np.stack([np.interp(places, np.arange(len(RAMP)), channel) for channel in given.T], axis=1)
+    ramp = 255 * colormaps["YlGnBu"].resampled(1 << 16)(np.linspace(0.1, 1.0, 64))[:, :3]
     return {
         "title": title,
         "half": first.half.tolist(),

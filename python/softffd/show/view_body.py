@@ -15,6 +15,7 @@ from softffd.mesh.looks import Picture
 from softffd.run.findings import energies, reactions
 from softffd.run.pressure import taxel_pressure, with_pressure
 from softffd.run.result import Result
+from softffd.run.stress import green_strain
 from softffd.show import pressed
 from softffd.show.pressed import AtlasPlaces, atlas_places
 from softffd.show.raster import Tint
@@ -169,8 +170,7 @@ def largest(stage: Stage, frames: np.ndarray) -> dict[str, float]:
     nudge = 1e-4 * stage.size * np.where(samples > stage.origin + stage.size / 2, -1.0, 1.0)
     nudged = [deform(samples + nudge * axis, few, **box) for axis in np.eye(3)]
     gradient = np.stack([(n - moved) / nudge[:, [a]] for a, n in enumerate(nudged)], axis=-1)
-    green = (np.einsum("tvab,tvac->tvbc", gradient, gradient) - np.eye(3)) / 2
-    sizes = {"displacement": np.linalg.norm(moved - samples, axis=2), "strain": np.linalg.norm(green, axis=(2, 3))}
+    sizes = {"displacement": np.linalg.norm(moved - samples, axis=2), "strain": np.linalg.norm(green_strain(gradient), axis=(2, 3))}
     return {name: float(np.quantile(size, 0.99, axis=1).max()) for name, size in sizes.items()}
 
 
