@@ -12,7 +12,7 @@ from softffd.mesh.collada import read_dae
 from softffd.mesh.gltf import read_glb, read_gltf
 from softffd.mesh.habits import doubt, habit_of
 from softffd.mesh.mesh import Mesh
-from softffd.mesh.normals import area_vectors, merge_by_position
+from softffd.mesh.normals import area_vectors, first_of_each, merge_by_position
 from softffd.mesh.obj import read_obj
 from softffd.mesh.off import read_off
 from softffd.mesh.ply import read_ply
@@ -30,6 +30,7 @@ _WRITERS = {".stl": write_stl, ".ply": write_ply, ".glb": write_glb}
 _SOUPS = (".stl", ".dae", ".glb", ".gltf")
 """Kinds whose triangles share no corners as they are read."""
 
+_FARTHEST_TEXEL = 1e9
 _SCENES = (".glb", ".gltf", ".dae", ".3mf")
 _KINDS = ", ".join(ending[1:].upper() for ending in _READERS)
 
@@ -62,7 +63,8 @@ def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
     _require_faces(path, read.vertices, read.faces)
     counts = np.bincount(read.faces.ravel())
     used, index = np.flatnonzero(counts), (np.cumsum(counts > 0) - 1)[read.faces]
-    _require_finite(path, read.vertices[used])
+    if not np.isfinite(read.vertices[used]).all():
+        raise MeshError(f"{path}: {_first_not_finite(read.vertices[used])}; wanted finite coordinates throughout")
     if path.suffix.lower() in _SOUPS:
         merged, used = _merged(read, used)
         index = merged[index]
@@ -90,6 +92,10 @@ def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = Non
         raise ValueError(f"vertices: wanted the mesh's shape {mesh.vertices.shape}, got {vertices.shape}")
     if not np.isfinite(vertices).all():
         raise MeshError(f"{path}: not written: {_first_not_finite(vertices)}")
+    if not len(mesh.faces):
+        raise MeshError(f"{path}: not written: the mesh has no faces")
+    if path.suffix.lower() != ".obj" and np.abs(vertices).max() > np.finfo(np.float32).max:
+        raise MeshError(f"{path}: not written: its coordinates go to {np.abs(vertices).max():g} m, too far for single precision; take OBJ")
     vertices = vertices @ _TO_Z_UP[up]
     try:
         if path.suffix.lower() == ".obj":
@@ -109,9 +115,8 @@ def _merged(read: Triangles, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Of the used vertices, (U,): which of the kept ones each becomes, and the kept ones, first at their place with their looks."""
     index, _ = merge_by_position(read.vertices[used])
     keys = [index[:, None].astype(float), *(each[used] for each in (read.uv, read.looks.colours) if each is not None)]
-    _, first, merged = np.unique(np.hstack(keys), axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    return np.argsort(order)[merged.reshape(-1)], used[first[order]]
+    merged, first = first_of_each(np.hstack(keys))
+    return merged, used[first]
 
 
 def _read(path: Path) -> Triangles:
@@ -132,7 +137,11 @@ def _read(path: Path) -> Triangles:
     if data.startswith(b"version https://git-lfs"):
         raise MeshError(f"{path}: is a pointer of Git LFS in place of the mesh; wanted the mesh itself, which 'git lfs pull' fetches")
     with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused by name, later
-        return _READERS[path.suffix.lower()](path, data)
+        read = _READERS[path.suffix.lower()](path, data)
+        if read.uv is None or (placed := np.abs(read.uv) < _FARTHEST_TEXEL).all():
+            return read
+    note = f"texture coordinates that are not finite, with (0, 0) in their place: {np.count_nonzero(~placed.all(axis=1))}"
+    return read._replace(uv=np.where(placed.all(axis=1, keepdims=True), read.uv, 0.0), looks=read.looks.and_notes(note))
 
 
 def _require_axis(path: Path, up: str) -> None:
@@ -156,11 +165,6 @@ def _require_faces(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
         raise MeshError(f"{path}: holds no vertices{where}; wanted a surface of triangles or polygons")
     if not len(faces):
         raise MeshError(f"{path}: holds {len(vertices)} vertices but no faces (a point cloud or lines); wanted a surface")
-
-
-def _require_finite(path: Path, vertices: np.ndarray) -> None:
-    if not np.isfinite(vertices).all():
-        raise MeshError(f"{path}: {_first_not_finite(vertices)}; wanted finite coordinates throughout")
 
 
 def _first_not_finite(vertices: np.ndarray) -> str:

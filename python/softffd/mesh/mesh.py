@@ -48,6 +48,8 @@ class Mesh:
         for what, array, (rows, columns) in shapes:
             if array is not None and (array.ndim != 2 or array.shape[1] != columns or rows not in (None, len(array))):
                 raise ValueError(f"{what}: wanted the shape ({rows or 'any'}, {columns}), got {array.shape}")
+        if len(self.faces) and not 0 <= self.faces.min() <= self.faces.max() < len(self.vertices):
+            raise ValueError(f"faces: wanted indices of {len(self.vertices)} vertices, got {self.faces.min()} to {self.faces.max()}")
         for what, index in (("material_of", self.looks.material_of), ("group_of", self.looks.group_of)):
             if index is not None and index.shape != (len(self.faces),):
                 raise ValueError(f"looks.{what}: wanted the shape ({len(self.faces)},), got {index.shape}")

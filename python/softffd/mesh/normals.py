@@ -105,14 +105,18 @@ def merge_by_position(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     vertices: (V, 3) m. The positions are those of each first vertex, in its order.
     """
+    if not len(vertices):
+        return np.zeros(0, dtype=np.int64), vertices
     extent = np.ptp(vertices, axis=0).max()
-    cells = np.round((vertices - vertices.min(axis=0)) / (1e-8 * extent or 1.0))
-    order = np.lexsort(cells.T)
-    starts = np.ones(len(vertices), dtype=bool)
-    starts[1:] = (cells[order[1:]] != cells[order[:-1]]).any(axis=1)
-    first = order[starts]
-    rank = np.empty(len(first), dtype=np.int64)
-    rank[np.argsort(first)] = np.arange(len(first))
-    index = np.empty(len(vertices), dtype=np.int64)
-    index[order] = rank[np.cumsum(starts) - 1]
-    return index, vertices[np.sort(first)]
+    index, first = first_of_each(np.round((vertices - vertices.min(axis=0)) / (1e-8 * extent or 1.0)))
+    return index, vertices[first]
+
+
+def first_of_each(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which of the different rows each of N >= 1 rows (N, c) is, (N,), and where each of these comes first, (U,), in this order."""
+    order = np.lexsort(rows.T)
+    new = np.append(True, (rows[order[1:]] != rows[order[:-1]]).any(axis=1))
+    first = order[new]
+    index = np.empty(len(rows), dtype=np.int64)
+    index[order] = first.argsort().argsort()[np.cumsum(new) - 1]
+    return index, np.sort(first)

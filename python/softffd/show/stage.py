@@ -23,6 +23,7 @@ OBSTACLES = ((0.63, 0.67, 0.73), (0.34, 0.71, 0.91), (0.80, 0.47, 0.65), (0.0, 0
 
 VIEW = (-1.0, 0.27)  # from where one looks first, rad: about the up direction, and above the horizon
 BESIDE, AROUND = 0.15, 1.0  # how far beside the lattice a solid, or a free body, is in view, as a share of the diagonal of its box
+FARTHEST = 1e15  # m: of places farther off single precision, in which pictures are made, has no squares
 GLANCES = 50  # frames, evenly chosen, whose solids are to be in view
 
 
@@ -218,6 +219,8 @@ def _recorded(result: Result) -> np.ndarray:
             f"The run cannot be shown: the positions of {missing.sum()} of its {missing.size} control points were not "
             'recorded. Wanted: a scene with outputs.positions = "all".'
         )
+    if (farthest := np.abs(positions).max()) > FARTHEST:
+        raise SoftffdError(f"The run cannot be shown: its control points go as far as {farthest:g} m. Wanted: {FARTHEST:g} m at most.")
     return positions
 
 

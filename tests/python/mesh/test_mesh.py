@@ -61,6 +61,30 @@ def test_what_cannot_be_saved_says_why(tmp_path):
         save_mesh(ball(), tmp_path / "none" / "a.ply")
     with pytest.raises(MeshError, match="not written: 42 of 42 vertices are not finite"):
         save_mesh(ball(), tmp_path / "a.ply", vertices=ball().vertices * np.nan)
+    with pytest.raises(MeshError, match="not written: the mesh has no faces"):
+        save_mesh(Mesh(CORNERS, np.zeros((0, 3))), tmp_path / "a.obj")
+    for kind in ("stl", "ply", "glb"):
+        with pytest.raises(MeshError, match=r"its coordinates go to .*e\+40 m, too far for single precision"):
+            save_mesh(ball(), tmp_path / f"a.{kind}", vertices=ball().vertices * 1e40)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("corner", [4, -1])
+def test_a_mesh_whose_faces_refer_to_no_vertex_is_refused(corner):
+    with pytest.raises(ValueError, match="faces: wanted indices of 4 vertices, got "):
+        Mesh(CORNERS, [[0, 1, corner]])
+
+
+def test_a_mesh_of_nothing_has_no_open_edges():
+    assert Mesh(np.zeros((0, 3)), np.zeros((0, 3))).open_edges == 0
+
+
+def test_texture_coordinates_that_are_no_places_become_the_corner_with_a_note(tmp_path):
+    mesh = loaded(
+        tmp_path, "a.obj", TETRAHEDRON + "vt 0.5 1\nvt nan 0\nvt 1e300 0\n" + "f 1/1 3/1 2/2\nf 1/1 2/2 4/3\nf 2/2 3/1 4/3\nf 3/1 1/1 4/3\n"
+    )
+    np.testing.assert_array_equal(mesh.uv, [[0.5, 1.0], [0.0, 0.0], [0.5, 1.0], [0.0, 0.0]])
+    assert mesh.looks.notes == ("texture coordinates that are not finite, with (0, 0) in their place: 2",)
 
 
 def test_obj_is_written_with_the_decimals_asked_for(tmp_path):

@@ -59,6 +59,14 @@ def test_unrecorded_positions_are_refused_with_the_key_that_helps():
         stage_of(result)
 
 
+@pytest.mark.parametrize("place", [np.inf, 1e200])
+def test_places_that_no_picture_holds_are_refused(place):
+    result = made_up_run()
+    result.positions[3, 0, 0, 0] = place
+    with pytest.raises(SoftffdError, match=r"its control points go as far as .* m. Wanted: 1e[+]15 m at most"):
+        stage_of(result)
+
+
 def test_a_run_without_control_points_is_refused():
     result = made_up_run()
     with pytest.raises(SoftffdError, match="its FMU has no control points"):
