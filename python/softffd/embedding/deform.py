@@ -11,8 +11,6 @@ the control points: where no control point is behind a plane, nothing of the obj
 lost and the polynomials grow fast, so a point outside is an error here, not an extrapolation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from ctypes import c_int, c_longlong, c_void_p
 from typing import Any, Protocol

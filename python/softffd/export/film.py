@@ -1,7 +1,5 @@
 """Moving pictures, as softffd draws a run: GIF through Pillow, MP4 through ffmpeg where that is on the PATH."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The formats that a run is exported to, in one table, and the way there that all of them share."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module

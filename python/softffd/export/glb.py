@@ -7,8 +7,6 @@ softffd         turns +z, which is up, into glTF's +y
   NAME          of an obstacle, translation and rotation where it moves
 """
 
-from __future__ import annotations
-
 import json
 import struct
 from dataclasses import replace

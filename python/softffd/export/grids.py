@@ -9,8 +9,6 @@
 Stress is there where the result has its scene.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass

@@ -9,8 +9,6 @@ is left. (Blender takes no weights outside of 0 .. 1.) Inside the box the combin
 worst control point. Nine rows have eight components without an error: windows that are short enough reach any tolerance.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

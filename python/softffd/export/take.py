@@ -1,7 +1,5 @@
 """What of a run is exported: the rows that are taken, the object's surface, its lattice, and the obstacles with their poses."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property

@@ -6,8 +6,6 @@
   obstacles/NAME       Mesh, its pose at every row where it moves
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

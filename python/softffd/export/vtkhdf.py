@@ -8,8 +8,6 @@
   Steps                 the times again: VTK 9.7 keeps to the first one where a collection has none, and 9.4 stops where it has some
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

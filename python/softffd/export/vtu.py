@@ -3,8 +3,6 @@
 The numbers are in base64, each array after its length in bytes (UInt64), as VTK's "inline binary" has it.
 """
 
-from __future__ import annotations
-
 import base64
 from pathlib import Path
 from xml.sax.saxutils import quoteattr

@@ -1,7 +1,5 @@
 """Meshes read from files and written: nothing damaged comes through, every fault is one clear paragraph."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

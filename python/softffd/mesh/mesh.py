@@ -1,7 +1,5 @@
 """A triangle mesh."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Wavefront MTL: of each material its colour (Kd), picture (map_Kd) and opacity; read for OBJ, and written."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from math import isnan, nan

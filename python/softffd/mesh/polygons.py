@@ -1,7 +1,5 @@
 """What a mesh file holds, polygons with their texture coordinates apart, and how triangles are made of it."""
 
-from __future__ import annotations
-
 import os
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Meshes as files: each keeps of the looks what its kind can hold."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, cast

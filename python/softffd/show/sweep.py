@@ -1,7 +1,5 @@
 """The picture of a sweep: lines over one variable, for two a line for each value of the one with fewer, or maps where both have many."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,8 +1,6 @@
 """Where the object touches its obstacles, and the forces on them, as pictures and page draw them; how wide contact is in cells of
 the lattice: of a narrow patch, the lattice decides force and size."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import product
 from typing import Any

@@ -1,7 +1,5 @@
 """What a live page knows of its scene's variables: value references, start values, and what they are for. Its scripts read no XML."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any
 

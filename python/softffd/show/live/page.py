@@ -5,8 +5,6 @@
 writes.
 """
 
-from __future__ import annotations
-
 import base64
 import gzip
 import shlex
