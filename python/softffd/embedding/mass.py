@@ -42,18 +42,9 @@ class Masses:
 
 
 def point_masses(
-    distribution: str,
-    *,
-    counts: tuple[int, int, int],
-    origin: ArrayLike,
-    size: ArrayLike,
-    mesh: Mesh | None,
-    total: float | None = None,
-    density: float | None = None,
-    uniform_share: float = 0.1,
-    basis: str = "bezier",
-    inertia: str = "lumped",
-) -> Masses:
+    distribution: str, *, counts: tuple[int, int, int], origin: ArrayLike, size: ArrayLike, mesh: Mesh | None, total: float | None = None,
+    density: float | None = None, uniform_share: float = 0.1, basis: str = "bezier", inertia: str = "lumped",
+) -> Masses:  # fmt: skip
     """Return the masses of the control points of a lattice: `counts` in the box `origin`, `size` (3,) m.
 
     distribution: "uniform" (the same for all), "box" (even through the box: each cell gives an eighth to each of its corners),

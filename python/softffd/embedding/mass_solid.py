@@ -22,15 +22,9 @@ FLOORS = (0.3, 0.25, 0.2, 0.15, 0.1)
 
 
 def node_masses(
-    distribution: str,
-    *,
-    counts: tuple[int, int, int],
-    origin: ArrayLike,
-    size: ArrayLike,
-    mesh: Mesh | None,
-    total: float | None = None,
+    distribution: str, *, counts: tuple[int, int, int], origin: ArrayLike, size: ArrayLike, mesh: Mesh | None, total: float | None = None,
     density: float | None = None,
-) -> Masses:
+) -> Masses:  # fmt: skip
     """The masses of a solid's nodes, as `point_masses` gives those of control points: for "box", "vertices", "surface" and "volume".
 
     Raises SoftffdError where the mesh does not fit, or where no masses have the object's centre.

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from softffd.errors import MeshError
-from softffd.mesh.looks import Group, Looks, Material, from_face_colours, to_screen
+from softffd.mesh.looks import Group, Looks, Material, as_shares, from_face_colours, to_screen
 from softffd.mesh.polygons import Triangles, damaged, found_beside
 from softffd.spelling import few
 
@@ -167,9 +167,9 @@ def _material(material: Any, screen: Callable[[np.ndarray], np.ndarray]) -> Mate
 
 
 def _shares(numbers: ArrayLike) -> np.ndarray:
-    """Colours as shares of 1, which whole numbers count in 255ths."""
+    """Colours as shares of 1; whole numbers count up to the largest of their type."""
     given = np.asarray(numbers)
-    return np.nan_to_num(given / (np.iinfo(given.dtype).max if given.dtype.kind in "iu" else 1.0)).clip(0, 1)
+    return as_shares(given, np.iinfo(given.dtype).max if given.dtype.kind in "iu" else 1.0)
 
 
 def _joined(bodies: list[Triangles]) -> Triangles:
@@ -186,27 +186,21 @@ def _joined(bodies: list[Triangles]) -> Triangles:
 
 def _joined_looks(bodies: list[Triangles]) -> Looks:
     """The looks of all bodies; those that name the same material share it."""
-    materials: list[Material] = []
+    materials: dict[tuple[object, ...], Material] = {}
     material_of, colours = [], None
     for body in bodies:
-        own = body.looks.materials or (Material(),)
-        places = [next((n for n, have in enumerate(materials) if _same(have, each)), None) for each in own]
-        for n, each in enumerate(own):
-            if places[n] is None:
-                places[n] = len(materials)
-                materials.append(each)
-        index = body.looks.material_of
-        material_of.append(np.asarray(places)[np.zeros(len(body.faces), dtype=np.int64) if index is None else index])
+        names = [(*each[:2], id(each.texture), each.opacity) for each in body.looks.materials or (Material(),)]
+        for name, each in zip(names, body.looks.materials or (Material(),), strict=True):
+            materials.setdefault(name, each)
+        index = np.zeros(len(body.faces), dtype=np.int64) if body.looks.material_of is None else body.looks.material_of
+        material_of.append(np.array([list(materials).index(name) for name in names])[index])
     if any(body.looks.colours is not None for body in bodies):
         colours = np.vstack([np.ones((len(b.vertices), 3)) if b.looks.colours is None else b.looks.colours for b in bodies])
-    if all(material == Material() for material in materials):
-        materials, material_of = [], []
+    named = tuple(materials.values())
+    if named == (Material(),):
+        named = ()
     group_of = np.repeat(np.arange(len(bodies)), [len(body.faces) for body in bodies])
-    clear = [material.name or "without a name" for material in materials if material.opacity < 1]
+    clear = [material.name or "without a name" for material in named if material.opacity < 1]
     notes = (f"transparent materials are shown opaque: {few(clear)}",) if clear else ()
     groups = tuple(body.looks.groups[0] for body in bodies)
-    return Looks(tuple(materials), np.concatenate(material_of) if materials else None, colours, groups, group_of, notes)
-
-
-def _same(one: Material, other: Material) -> bool:
-    return one.texture is other.texture and one[:2] == other[:2] and one.opacity == other.opacity
+    return Looks(named, np.concatenate(material_of) if named else None, colours, groups, group_of, notes)

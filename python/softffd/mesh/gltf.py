@@ -17,19 +17,10 @@ from softffd.mesh.bodies import Surface, read_bodies
 from softffd.mesh.polygons import Triangles, damaged, found_beside
 from softffd.spelling import few
 
-_COMPRESSED = {
-    "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression",
-    "KHR_meshopt_compression",
-    "KHR_mesh_quantization",
-}
+_COMPRESSED = {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_mesh_quantization"}
 _READ = {
-    "KHR_texture_transform",
-    "KHR_texture_basisu",
-    "EXT_texture_webp",
-    "KHR_lights_punctual",
-    "KHR_xmp_json_ld",
-    "KHR_animation_pointer",
+    *("KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp"),
+    *("KHR_lights_punctual", "KHR_xmp_json_ld", "KHR_animation_pointer"),
 }
 """Extensions that a file may require beside those of materials: they are read, told in a line, or change neither shape nor colour."""
 

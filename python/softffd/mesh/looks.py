@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 Colour = tuple[float, float, float]
 """As on a screen (sRGB), 0 .. 1."""
@@ -84,6 +85,12 @@ def from_face_colours(colours: np.ndarray) -> Looks:
     names = ["colour_" + "".join(f"{channel:02x}" for channel in shade) for shade in shades.tolist()]
     materials = tuple(Material(name, tuple((shade / 255).tolist())) for name, shade in zip(names, shades, strict=True))
     return Looks(materials, index.reshape(-1))
+
+
+def as_shares(numbers: ArrayLike, whole: float | None = None) -> np.ndarray:
+    """Colours 0 .. 1 of numbers up to `whole`, by default up to 255 where any is above 1; what is no number counts 0."""
+    given = np.nan_to_num(np.asarray(numbers, dtype=float))
+    return (given / (whole or (255.0 if given.max(initial=0) > 1 else 1.0))).clip(0, 1)
 
 
 def to_screen(linear: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from softffd.mesh.looks import Group, Looks
+from softffd.mesh.looks import Group, Looks, as_shares
 from softffd.mesh.mtl import Library, without_comment
 from softffd.mesh.polygons import Triangles, assemble, damaged, decoded, plain_text
 
@@ -184,9 +184,8 @@ class _Records:
         if not self.colours:
             return None
         colours = np.ones((len(self.vertices) // 3, 3))
-        given = np.array(list(self.colours.values()))
-        colours[list(self.colours)] = given / (255.0 if given.max() > 1 else 1.0)
-        return np.nan_to_num(colours).clip(0, 1)
+        colours[list(self.colours)] = as_shares(list(self.colours.values()))
+        return colours
 
 
 def _numbered(values: list[T], nothing: T) -> tuple[tuple[T, ...], np.ndarray | None]:

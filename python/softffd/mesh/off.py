@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from softffd.mesh.looks import PLAIN, Looks, from_face_colours
+from softffd.mesh.looks import PLAIN, Looks, as_shares, from_face_colours
 from softffd.mesh.polygons import Triangles, assemble, damaged, plain_text
 
 _KIND = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?(?:OFF|off)(?=[\s\d])")
@@ -42,7 +42,7 @@ def _triangles(text: bytes) -> Triangles:
     looks = _face_looks([row[size + 1 :] for row, size in zip(faces, sizes, strict=True)])
     if kind[2]:
         skipped = 6 if kind[3] else 3
-        looks = replace(looks, colours=_shades(_numbers(vertices, skipped, 3, "the colour of each vertex")))
+        looks = replace(looks, colours=as_shares(_numbers(vertices, skipped, 3, "the colour of each vertex")))
     return assemble(positions, corners, sizes, looks=looks)
 
 
@@ -52,13 +52,8 @@ def _face_looks(words: list[list[bytes]]) -> Looks:
     if not coloured:
         return PLAIN
     colours = np.ones((len(words), 3))
-    colours[coloured] = _shades(_numbers([words[number] for number in coloured], 0, 3, "the colour of a face"))
+    colours[coloured] = as_shares(_numbers([words[number] for number in coloured], 0, 3, "the colour of a face"))
     return from_face_colours(colours)
-
-
-def _shades(numbers: np.ndarray) -> np.ndarray:
-    """Colours 0 .. 1 of numbers to 1 or to 255."""
-    return np.nan_to_num(numbers / (255.0 if numbers.max(initial=0) > 1 else 1.0)).clip(0, 1)
 
 
 def _whole(numbers: np.ndarray) -> np.ndarray:

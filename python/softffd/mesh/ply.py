@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from softffd.mesh.looks import PLAIN, Looks, Material, from_face_colours
+from softffd.mesh.looks import PLAIN, Looks, Material, as_shares, from_face_colours
 from softffd.mesh.polygons import Triangles, assemble, damaged, found_beside, open_texture, plain_text
 
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
@@ -257,8 +257,6 @@ def _colours(header: _Header, element: str, records: dict[str, Any]) -> np.ndarr
     for names in _COLOUR_NAMES:
         if set(names) <= records.keys() and not any(isinstance(records[name], _Lists) for name in names):
             kind = next(p.type for e in header.elements if e.name == element for p in e.properties if p.name == names[0])
-            whole = {"u1": 255.0, "u2": 65535.0}.get(kind, 255.0 if kind[0] in "iu" else 1.0)
-            shades = np.nan_to_num(np.stack([records[name] for name in names], axis=1).astype(float))
-            whole = 255.0 if whole == 1.0 and shades.max(initial=0) > 1 else whole
-            return (shades / whole).clip(0, 1)
+            whole = 65535.0 if kind == "u2" else 255.0 if kind[0] in "iu" else None
+            return as_shares(np.stack([records[name] for name in names], axis=1), whole)
     return None

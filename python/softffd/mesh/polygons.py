@@ -28,16 +28,9 @@ class Triangles(NamedTuple):
 
 
 def assemble(
-    positions: np.ndarray,
-    corners: ArrayLike,
-    counts: ArrayLike,
-    *,
-    texels: np.ndarray | None = None,
-    texel_corners: ArrayLike | None = None,
-    looks: Looks = PLAIN,
-    called: Callable[[int], str] = "face {} (from 0)".format,
-    first: int = 0,
-) -> Triangles:
+    positions: np.ndarray, corners: ArrayLike, counts: ArrayLike, *, texels: np.ndarray | None = None,
+    texel_corners: ArrayLike | None = None, looks: Looks = PLAIN, called: Callable[[int], str] = "face {} (from 0)".format, first: int = 0,
+) -> Triangles:  # fmt: skip
     """Return triangles that share a vertex where position and texture coordinate are the same.
 
     positions: (P, 3). corners: (C,) indices of positions, one polygon after another. counts: (F,) corners of
