@@ -57,20 +57,14 @@ def _of_simplices(corners: np.ndarray, content: np.ndarray, *, at_origin: bool) 
     return own / (ends * (ends + 1) * total) - np.outer(centre, centre)
 
 
-def lumped_covariance(shares: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """The same of shares (nx, ny, nz) at places (n, 3) [m]."""
-    weights = shares.ravel() / shares.sum()
-    places = places - weights @ places
-    return np.einsum("p,px,py->xy", weights, places, places)
-
-
 def inertia_ratio(shares: np.ndarray, wanted: np.ndarray, size: ArrayLike, places: np.ndarray | None = None) -> np.ndarray:
     """How many times the inertia of an object of covariance `wanted` (3, 3) [m^2] shares (nx, ny, nz) have, (3,) about x, y and z.
 
     places: (n, 3) in a box of sides 1; by default those of control points.
     """
-    at = (_places(shares.shape) if places is None else places) * np.asarray(size)
-    have, want = (np.trace(each) - np.diag(each) for each in (lumped_covariance(shares, at), wanted))
+    at, weights = (_places(shares.shape) if places is None else places) * np.asarray(size), shares.ravel() / shares.sum()
+    at -= weights @ at
+    have, want = (np.trace(each) - np.diag(each) for each in (np.einsum("p,px,py->xy", weights, at, at), wanted))
     return np.divide(have, want, out=np.ones(3), where=want > 1e-12 * np.max(np.square(size)))
 
 

@@ -127,7 +127,9 @@ class _Records:
         key = words[0]
         try:
             if key == b"v":
-                self._read_vertex(words[1:])
+                if len(words) in (7, 8):  # the last of 8 is opacity
+                    self.colours[len(self.vertices) // 3] = _numbers(words[4:7], 3)
+                self.vertices.extend(_numbers(words[1:4], 3))
             elif key == b"f":
                 self._read_face(number, words[1:])
             elif key == b"vt":
@@ -139,11 +141,6 @@ class _Records:
         except (ValueError, OverflowError) as fault:
             text = b" ".join(words)[:60].decode(errors="replace")
             raise damaged(self.path, f"line {number}, {text!r}: {fault}") from None
-
-    def _read_vertex(self, words: list[bytes]) -> None:
-        if len(words) in (6, 7):  # the seventh is opacity
-            self.colours[len(self.vertices) // 3] = _numbers(words[3:6], 3)
-        self.vertices.extend(_numbers(words[:3], 3))
 
     def _read_face(self, number: int, words: list[bytes]) -> None:
         if len(words) < 3:

@@ -33,8 +33,8 @@ class Panels:
         self._tints, self._touch, self._lattice = tints or {}, touch, lattice
         self._stage, self._width, self._height = stage, width, height
         self._axes = view_axes(stage.up, view or first_sight([stage]))
-        small = len(stage.faces) <= SMOOTH_FACES
-        self._normals = ShadingNormals(stage.vertices, stage.faces) if small else None
+        smooth = len(stage.faces) <= SMOOTH_FACES
+        self._corner_normals = ShadingNormals(stage.vertices, stage.faces).corners if smooth else self._flat_normals
         self._paint = stage.skin.painter(stage.faces)
         points = np.concatenate([stage.positions[frame].reshape(-1, 3) for frame in frames])
         covered = np.stack([points.min(axis=0), points.max(axis=0)])
@@ -48,7 +48,7 @@ class Panels:
         stage, points = self._stage, self._stage.positions[frame]
         canvas = Canvas(Camera(self._centre + self._distance * self._axes[2], self._centre, stage.up), self._width, self._height)
         surface = stage.deformed(points), stage.faces
-        canvas.triangles(*surface, self._corner_normals(*surface), self._painter(frame))
+        canvas.triangles(*surface, self._corner_normals(surface[0]), self._painter(frame))
         solids = [(*solid.surface(frame), solid.form.faces) for solid in stage.solids]
         for solid, parts in zip(stage.solids, solids, strict=True):
             draw_solid(canvas, *parts, tint=solid.tint)
@@ -65,17 +65,15 @@ class Panels:
 
     def _needed(self, frame: int) -> float:
         """The distance [m] from which the frame's lattice fits into the image, its arrows and what is beside it of solids."""
-        points = np.concatenate([self._stage.positions[frame].reshape(-1, 3), *map(_corners, self._beside[frame])])
+        points = np.concatenate([self._stage.positions[frame].reshape(-1, 3), *(list(product(*ends.T)) for ends in self._beside[frame])])
         if self._touch:
             points = np.concatenate([points, self._touch.arrows(frame)[:, 1]])
         right, above, back = self._axes @ (points - self._centre).T
         tall = FILLED * FIELD
         return (back + np.maximum(np.abs(right) * self._height / self._width, np.abs(above)) / tall).max()
 
-    def _corner_normals(self, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-        if self._normals:
-            return self._normals.corners(vertices)
-        return np.repeat(face_normals(vertices, faces)[:, None], 3, axis=1)
+    def _flat_normals(self, vertices: np.ndarray) -> np.ndarray:
+        return np.repeat(face_normals(vertices, self._stage.faces)[:, None], 3, axis=1)
 
     def _draw_planes(self, canvas: Canvas, frame: int, surfaces: Sequence[tuple[np.ndarray, np.ndarray]]) -> None:
         reach, spacing = 0.8 * self._distance, round_length(0.15 * self._distance)
@@ -108,8 +106,3 @@ class Panels:
         if self._lattice:
             canvas.lines(flat, self._stage.edges, width=max(0.8, self._height / 500))
         canvas.balls(flat[shown], radius=self._ball, colours=colours[shown])
-
-
-def _corners(ends: np.ndarray) -> np.ndarray:
-    """Of a box with these ends (2, 3), (8, 3)."""
-    return np.array(list(product(*ends.T)))

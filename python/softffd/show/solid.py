@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from softffd.obstacles import SolidShape
+from softffd.show.skin import cage_surface
 
 AROUND, RINGS = 64, 48  # sides of what is round, and rings of a sphere from pole to pole
 FINEST = 2000  # sides of a cylinder, at most
@@ -61,14 +62,9 @@ def _cylinder(solid: SolidShape, scale: float) -> Form:
 
 def _box(solid: SolidShape, scale: float) -> Form:
     half = np.array(solid.size) / 2
-    corners, normals = [], []
-    for axis in range(3):
-        for side in (-1.0, 1.0):
-            for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1)):
-                corners.append(np.roll([side, a, b], axis) * half)
-                normals.append(np.roll([side, 0.0, 0.0], axis))
-    faces = 4 * np.arange(6)[:, None, None] + np.array([[0, 1, 2], [0, 2, 3]])
-    return Form(np.array(corners), np.array(normals), faces.reshape(-1, 3), solid, lambda places: np.abs(places) - half)
+    vertices, faces = cage_surface(-half, 2 * half, divisions=1)
+    normals = np.repeat([side * axis for axis in np.eye(3) for side in (-1, 1)], 4, axis=0)
+    return Form(vertices, normals, faces, solid, lambda places: np.abs(places) - half)
 
 
 FORMS = {"sphere": _sphere, "cylinder": _cylinder, "box": _box}

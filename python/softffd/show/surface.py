@@ -31,7 +31,8 @@ def surface(stage: Stage, taxels: AtlasPlaces | None = None) -> dict[str, Any]:
     order = np.argsort(_along_a_curve(coordinates), kind="stable")
     number = np.empty_like(order)
     number[order] = np.arange(len(order))
-    faces, picture = _begun_with_the_least(number[faces]), stage.skin.picture_of
+    faces, picture = number[faces], stage.skin.picture_of
+    faces = np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)  # the least first, wound as before
     sequence = np.lexsort((faces[:, 2], faces[:, 1], faces[:, 0], picture))
     faces, (pictures, counts) = faces[sequence], np.unique(picture, return_counts=True)
     uv, uv_scales = _whole(stage.skin.uv[source] if stage.skin.pictures else np.zeros((len(source), 2)))
@@ -61,11 +62,6 @@ def _along_a_curve(places: np.ndarray) -> np.ndarray:
     bits = np.unpackbits(places[:, ::-1].astype(">u4").view(np.uint8).reshape(-1, 3, 4), axis=2)
     in_turn = bits.transpose(0, 2, 1).reshape(-1, 96)
     return np.packbits(in_turn[:, -64:], axis=1).view(">u8")[:, 0]
-
-
-def _begun_with_the_least(faces: np.ndarray) -> np.ndarray:
-    """Faces (F, 3) turned so that the smallest number comes first; they keep their winding."""
-    return np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
 
 
 def _on_octahedron(normals: np.ndarray) -> np.ndarray:

@@ -83,15 +83,16 @@ def _in_one_view(bodies: Sequence[Body], *, together: bool) -> list[Body]:
 
 def _page(bodies: Sequence[Body], title: str) -> str:
     arrows = min((each.scale for each in bodies if each.scale), default=0.0)
-    scales = {name: _ends([each.cells[name].ends for each in bodies]) for name in _known_to_all(bodies)}
-    ends = [largest(each.stage, each.frames) for each in bodies]
+    shared = {name: [each.cells[name].ends for each in bodies] for name in bodies[0].cells if all(name in each.cells for each in bodies)}
+    scales = {name: (min(low for low, _ in ends), max(high for _, high in ends)) for name, ends in shared.items()}
+    worst = [largest(each.stage, each.frames) for each in bodies]
     pressure = max((each.cells[pressed.NAME].ends[1] for each in bodies if pressed.NAME in each.cells), default=1.0)
     run = {
         **sights([each.stage for each in bodies], title),
         "note": "; ".join(filter(None, map(_thinned, bodies))),
         "subtitle": " · ".join(map(subtitle, bodies)),
         "rows": [row | {"body": n} for n, each in enumerate(bodies) for row in each.rows(pressure)],
-        "largest": {name: max(each[name] for each in ends) for name in ends[0]},
+        "largest": {name: max(each[name] for each in worst) for name in worst[0]},
         "cells": [about(cells, scales[name]) for name, cells in bodies[0].cells.items() if name in scales],
         "bodies": [each.held(scales, arrows) for each in bodies],
     }
@@ -101,14 +102,6 @@ def _page(bodies: Sequence[Body], title: str) -> str:
 def about(cells: Cells, ends: tuple[float, float]) -> dict[str, Any]:
     """What the page says of a colour."""
     return {"name": cells.name, "words": cells.words, "unit": cells.unit, "ends": ends}
-
-
-def _known_to_all(bodies: Sequence[Body]) -> list[str]:
-    return [name for name in bodies[0].cells if all(name in each.cells for each in bodies)]
-
-
-def _ends(ends: Sequence[tuple[float, float]]) -> tuple[float, float]:
-    return min(low for low, _ in ends), max(high for _, high in ends)
 
 
 def _thinned(body: Body) -> str:
