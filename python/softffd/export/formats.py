@@ -50,8 +50,8 @@ FORMATS = {
     "vtu": Format((".pvd", ".vtu"), "vtu", series=".vtu"),
     "glb": Format((".glb",), "glb", approximates=True),
     "usd": Format((".usdc", ".usd", ".usda"), "usd", needs=("pxr", "usd")),
-    "pc2": Format((".pc2",), "pc2", beside=("_rest.obj", "_rest.mtl")),
-    "ply": Format((".ply.series", ".ply"), "ply", series=".ply"),
+    "pc2": Format((".pc2",), "points", beside=("_rest.obj", "_rest.mtl")),
+    "ply": Format((".ply.series", ".ply"), "points", series=".ply"),
     "gif": Format((".gif",), "film", draws=True),
     "mp4": Format((".mp4",), "film", draws=True),
 }
