@@ -11,7 +11,7 @@ import json
 import struct
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -20,9 +20,10 @@ from softffd.errors import SoftffdError
 from softffd.export.modes import Motion, motion_of
 from softffd.export.take import CLEAR, Rigid, Take
 from softffd.mesh.bodies import quiet_trimesh
+from softffd.mesh.gltf import glb_file
 from softffd.mesh.looks import Looks, Material, to_light
 from softffd.mesh.mesh import Mesh
-from softffd.mesh.written import glb_bodies
+from softffd.mesh.written import glb_bodies, glb_of
 from softffd.rotation import quaternions
 from softffd.show.skin import PAINT
 
@@ -97,14 +98,10 @@ class _File:
     """The tree of a GLB file and its data: what trimesh writes of the meshes, and what is added."""
 
     def __init__(self, mesh: Mesh, shapes: list[np.ndarray], take: Take):
-        import trimesh
-
         with quiet_trimesh():
-            scene = trimesh.Scene()
             windows = [list(glb_bodies(mesh, each[0].astype(float))) for each in shapes]
-            for body in (*(_body(obstacle) for obstacle in take.obstacles), *(body for window in windows for _, _, body in window)):
-                scene.add_geometry(body)
-            written = cast(bytes, scene.export(file_type="glb", include_normals=True))
+        bodies = [*map(_body, take.obstacles), *(body for window in windows for _, _, body in window)]
+        written = glb_of((None, body) for body in bodies)
         end = 20 + int.from_bytes(written[12:16], "little")
         self.tree: dict[str, Any] = json.loads(written[20:end])
         self._data, self._length = [written[end + 8 :]], len(written) - end - 8
@@ -183,10 +180,7 @@ class _File:
 
     def packed(self) -> bytes:
         self.tree["buffers"] = [{"byteLength": self._length}]
-        text = json.dumps(self.tree, separators=(",", ":"), allow_nan=False).encode()
-        text += b" " * (-len(text) % 4)
-        head = struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + self._length, len(text), b"JSON")
-        return b"".join([head, text, struct.pack("<I4s", self._length, b"BIN\0"), *self._data])
+        return glb_file(self.tree, b"".join([struct.pack("<I4s", self._length, b"BIN\0"), *self._data]))
 
 
 def _body(obstacle: Rigid) -> Any:

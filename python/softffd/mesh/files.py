@@ -126,8 +126,6 @@ def _read(path: Path) -> Triangles:
         beside = [file.name for file in path.parent.glob("*") if file.suffix.lower() in READ]
         nearest = did_you_mean(nearest_of(path.name, beside))
         raise MeshError(f"{path}: no such file; wanted a mesh ({_KINDS}){nearest}") from None
-    except IsADirectoryError:
-        raise MeshError(f"{path}: is a directory; wanted a mesh file ({_KINDS})") from None
     except OSError as fault:
         raise MeshError(f"{path}: cannot be read: {fault.strerror or fault}") from None
     if not data:

@@ -35,12 +35,7 @@ def read_glb(path: Path, data: bytes) -> Triangles:
     """
     end = _end_of_json(path, data)
     header = _parsed(path, data[20:end])
-
-    def packed() -> bytes:
-        text = _text(header)
-        return struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(data) - end, len(text), b"JSON") + text + data[end:]
-
-    return _read(path, header, packed)
+    return _read(path, header, lambda: glb_file(header, data[end:]))
 
 
 def read_gltf(path: Path, data: bytes) -> Triangles:
@@ -49,7 +44,7 @@ def read_gltf(path: Path, data: bytes) -> Triangles:
     version = header.get("asset", {}).get("version") if isinstance(header.get("asset"), dict) else None
     if not str(version).startswith("2"):
         raise MeshError(f"{path}: wanted glTF version 2, got {f'version {version}' if version else 'no version'}")
-    return _read(path, header, lambda: _text(header))
+    return _read(path, header, lambda: json.dumps(header).encode())
 
 
 def _read(path: Path, header: dict[str, Any], packed: Callable[[], bytes]) -> Triangles:
@@ -58,9 +53,11 @@ def _read(path: Path, header: dict[str, Any], packed: Callable[[], bytes]) -> Tr
     return triangles._replace(looks=triangles.looks.and_notes(*notes))
 
 
-def _text(header: dict[str, Any]) -> bytes:
-    text = json.dumps(header).encode()
-    return text + b" " * (-len(text) % 4)
+def glb_file(header: dict[str, Any], rest: bytes) -> bytes:
+    """The bytes of a GLB file. rest: the blocks behind that of the JSON."""
+    text = json.dumps(header, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    return struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON") + text + rest
 
 
 def _end_of_json(path: Path, data: bytes) -> int:

@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
-from zipfile import BadZipFile, ZipFile
+from zipfile import ZipFile
 
 UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 """Metres per unit."""
@@ -54,7 +54,7 @@ def doubt(habit: Habit, longest: float) -> str:
 
 
 def habit_of(path: Path) -> Habit:
-    """The habit of a mesh file that can be read."""
+    """The habit of a mesh file that load_mesh has read."""
     kind = path.suffix.lower()
     if kind == ".3mf":
         unit = _unit_of_3mf(path)
@@ -67,10 +67,7 @@ def habit_of(path: Path) -> Habit:
 
 def _collada(data: bytes) -> Habit:
     """By its asset; without one a unit is a metre and y is up. Some programs write the decimal mark of their country."""
-    try:
-        root = ElementTree.fromstring(data)
-    except ElementTree.ParseError:  # a file that could be read so far says nothing of it
-        root = ElementTree.Element("COLLADA")
+    root = ElementTree.fromstring(data)
     unit = root.find("{*}asset/{*}unit")
     text = "1" if unit is None else unit.attrib.get("meter", "1")
     up = (root.findtext("{*}asset/{*}up_axis") or "Y_UP").strip().upper()
@@ -84,11 +81,8 @@ def _collada(data: bytes) -> Habit:
 
 
 def _unit_of_3mf(path: Path) -> str:
-    try:
-        with ZipFile(path) as archive:
-            name = next(name for name in archive.namelist() if name.lower().endswith("3dmodel.model"))
-            with archive.open(name) as stream:  # the root alone is read
-                _, root = next(ElementTree.iterparse(stream, ("start",)))
-                return root.attrib.get("unit", "millimeter")
-    except (BadZipFile, ElementTree.ParseError, StopIteration):
-        return "millimeter"
+    with ZipFile(path) as archive:
+        name = next(name for name in archive.namelist() if name.lower().endswith("3dmodel.model"))
+        with archive.open(name) as stream:  # the root alone is read
+            _, root = next(ElementTree.iterparse(stream, ("start",)))
+            return root.attrib.get("unit", "millimeter")

@@ -1,6 +1,6 @@
 """Meshes as files: each keeps of the looks what its kind can hold."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -69,13 +69,18 @@ def write_stl(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
 
 def write_glb(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
     """Write a GLB file: a body for each part of one group and one material, with its picture inside."""
+    write_bytes(path, glb_of((name or None, body) for name, _, body in glb_bodies(mesh, vertices)))
+
+
+def glb_of(bodies: Iterable[tuple[str | None, Any]]) -> bytes:
+    """A GLB file of trimesh's bodies with their names."""
     import trimesh
 
     with quiet_trimesh():
         scene = trimesh.Scene()
-        for name, _, body in glb_bodies(mesh, vertices):
-            scene.add_geometry(body, geom_name=name or None, node_name=name or None)
-        write_bytes(path, cast(bytes, scene.export(file_type="glb", include_normals=True)))
+        for name, body in bodies:
+            scene.add_geometry(body, geom_name=name, node_name=name)
+        return cast(bytes, scene.export(file_type="glb", include_normals=True))
 
 
 def glb_bodies(mesh: Mesh, vertices: np.ndarray) -> Iterator[tuple[str, np.ndarray, Any]]:
