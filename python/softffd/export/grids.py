@@ -18,7 +18,7 @@ import numpy as np
 
 from softffd.errors import SoftffdError
 from softffd.export.take import Rigid, Take
-from softffd.lattice import index_grid, rest_grid, to_flat
+from softffd.lattice import index_grid, to_flat
 from softffd.run.pressure import Covered, surface_pressure
 from softffd.show import pressed
 from softffd.show.tension import COLOURS, at_places
@@ -50,7 +50,7 @@ def grids_of(take: Take) -> list[Grid]:
     """All grids of a take, each name once."""
     stage = take.stage
     measures = [name for name in COLOURS if _known(take, name)]
-    rest = to_flat(rest_grid(stage.counts, stage.origin, stage.size))
+    rest = to_flat(stage.rest)
     places = (take.mesh.vertices - stage.origin) / stage.size
     measured = lru_cache(maxsize=1)(partial(_measured, take, measures))  # of a row, for the surface and for the lattice
     parts = take.result.covered_by_taxels(take.mesh)

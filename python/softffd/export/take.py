@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from softffd.lattice import rest_grid, to_flat
+from softffd.lattice import to_flat
 from softffd.mesh.mesh import Mesh
 from softffd.run.progress import Note, silent
 from softffd.run.result import Result
@@ -81,7 +81,7 @@ class Take:
         """Corners of the lattice's cells at a row, in flat order (n, 3) [m]: the control points; of a solid points of its material."""
         if self.stage.basis != "patches":
             return to_flat(self.stage.positions[row])
-        return self.result.deformed(to_flat(rest_grid(self.stage.counts, self.stage.origin, self.stage.size)), row=row)
+        return self.result.deformed(to_flat(self.stage.rest), row=row)
 
     def told_rows(self, what: str = "row") -> Iterator[tuple[int, int]]:
         """Number and row, one after the other; `note` is told how far it is."""

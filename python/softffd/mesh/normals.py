@@ -28,7 +28,7 @@ class ShadingNormals:
         normals = area_vectors(vertices[self._faces])
         count = 3 * len(self._faces)
         sums = [np.bincount(self._corner, self._sign * normals[self._face, a], minlength=count) for a in range(3)]
-        return _unit(np.stack(sums, axis=1)).reshape(-1, 3, 3)
+        return unit(np.stack(sums, axis=1)).reshape(-1, 3, 3)
 
 
 def split_at_creases(
@@ -47,7 +47,7 @@ def split_at_creases(
 
 def face_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Unit normals (F, 3) of the triangles; zero for a triangle without area."""
-    return _unit(area_vectors(vertices[faces]))
+    return unit(area_vectors(vertices[faces]))
 
 
 def area_vectors(corners: np.ndarray) -> np.ndarray:
@@ -70,8 +70,9 @@ def cut_triangles(corners: np.ndarray, height: np.ndarray) -> np.ndarray:
     return np.concatenate([kept, *(np.stack(piece, axis=1) for piece in ((a, ab, ac), (ab, b, c), (ab, c, ac)))])
 
 
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """Vectors (..., 3) as long as 1; 0 remains."""
+    length = np.sqrt(np.einsum("...a,...a->...", vectors, vectors))[..., None]
     return vectors / np.where(length > 0, length, 1.0)
 
 

@@ -60,7 +60,5 @@ def _text_triangles(path: Path, data: bytes) -> Triangles:
         triangles = _soup(np.array([(float(x), float(y), float(z)) for x, y, z in corners]))
     except ValueError:
         raise damaged(path, "a vertex is not three numbers") from None
-    open_ones = keys.count(b"solid") - ended
-    return (
-        triangles._replace(looks=PLAIN.and_notes("no line 'endsolid' at its end, though all facets are whole")) if open_ones else triangles
-    )
+    note = "no line 'endsolid' at its end, though all facets are whole" if keys.count(b"solid") != ended else ""
+    return triangles._replace(looks=PLAIN.and_notes(note))

@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from softffd.mesh.normals import unit
 from softffd.show.skin import Painter, single
 
 Tint = tuple[float, float, float]  # a colour, 0 .. 1
@@ -241,9 +242,3 @@ def _span(slope: np.ndarray, constant: np.ndarray, width: int) -> tuple[np.ndarr
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Of vectors (3, P); without the linear algebra library, whose threads go on spinning after each."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def unit(vectors: np.ndarray) -> np.ndarray:
-    """Vectors (..., 3) as long as 1; 0 remains."""
-    length = np.sqrt(np.einsum("...a,...a->...", vectors, vectors))[..., None]
-    return vectors / np.where(length > 0, length, 1.0)

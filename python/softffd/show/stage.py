@@ -10,10 +10,11 @@ from softffd.embedding.nodes import node_positions
 from softffd.errors import SoftffdError
 from softffd.lattice import index_grid, rest_grid, to_flat
 from softffd.mesh.mesh import Mesh
+from softffd.mesh.normals import unit
 from softffd.names import vector_names
 from softffd.obstacles import SolidShape
 from softffd.run.result import Result
-from softffd.show.raster import Tint, unit
+from softffd.show.raster import Tint
 from softffd.show.skin import Skin, cage_surface, painted, skinned
 from softffd.show.solid import Form, form_of
 

@@ -103,15 +103,14 @@ class Described:
             elif each.motion == "input":
                 place, *turns, velocity, spin = each.POSE
                 family = "plane" if each.part.is_obstacle else "pin"
-                names = {word: vector_names(f"{family}_{word}", each.part) for word in each.POSE}
-                at, first = {}, len(inputs)
+                at, starts = {}, {}
                 for word in each.POSE:
-                    at[word] = len(inputs)
-                    inputs += names[word]
-                starts = {word: [self._start[name] for name in names[word]] for word in each.POSE}
-                part = {"label": each.name, "held": held, "at": first, "point": starts[place]}
-                part |= {"speed": at[velocity], "drift": starts[velocity], "spins": at[spin], "turns": next(iter(turns), None)}
-                parts.append(part | {what: value for word in turns for what, value in {"turned": at[word], "axis": starts[word]}.items()})
+                    names = vector_names(f"{family}_{word}", each.part)
+                    at[word], starts[word] = len(inputs), [self._start[name] for name in names]
+                    inputs += names
+                part = {"label": each.name, "held": held, "at": at[place], "point": starts[place]}
+                part |= {"speed": at[velocity], "drift": starts[velocity], "spins": at[spin], "turns": turns[0] if turns else None}
+                parts.append(part | ({"turned": at[turns[0]], "axis": starts[turns[0]]} if turns else {}))
         return inputs, parts
 
     def _free(self, body: Sphere | Cylinder | Box | Pin) -> dict[str, Any]:
