@@ -20,8 +20,7 @@ from softffd.errors import SoftffdError
 from softffd.export.take import Rigid, Take
 from softffd.lattice import index_grid, to_flat
 from softffd.run.pressure import Covered, surface_pressure
-from softffd.show import pressed
-from softffd.show.tension import COLOURS, at_places
+from softffd.show.tension import COLOURS, PRESSED, at_places
 
 TRIANGLE, HEXAHEDRON = 5, 12
 """VTK's numbers of the kinds of cells"""
@@ -76,7 +75,7 @@ def _surface(take: Take, places: np.ndarray, measured: Measured, parts: list[Cov
     points = take.deformed(row)
     between = {name: at_places(values, places) for name, values in measured(row).items()}
     if parts:
-        between[pressed.NAME] = surface_pressure(take.result.outputs, parts, row)
+        between[PRESSED] = surface_pressure(take.result.outputs, parts, row)
     return points, {"displacement": points - take.mesh.vertices, **between}, {}
 
 

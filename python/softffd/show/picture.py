@@ -11,12 +11,11 @@ from softffd.errors import SoftffdError
 from softffd.names import components_in, unit_of
 from softffd.run.findings import energies, heights, reactions
 from softffd.run.result import Columns, Result
-from softffd.show import pressed
 from softffd.show.figure import SOFT, Box, Picture, draw_curves, draw_scale, draw_words, new_figure, quantity
 from softffd.show.panel import Panels
 from softffd.show.sight import sight_onto
 from softffd.show.stage import Stage, stage_of, up_direction
-from softffd.show.tension import RAMP, tension_of
+from softffd.show.tension import PRESSED, RAMP, outward, tension_of
 from softffd.show.touch import Touch, touch_of
 
 GAP = 0.004  # between images, as a fraction of the figure's width
@@ -35,8 +34,8 @@ def run_picture(result: Result, *, colour: str | None = None, lattice: bool | No
     moments = telling_moments(result)
     cells, tints = tension_of(result, stage, list(moments), colour) if colour else (None, {})
     touch, view = touch_of(result, stage), None
-    if colour == pressed.NAME:
-        stage, view = replace(stage, planes=(), solids=()), sight_onto(stage.up, pressed.outward(result))
+    if colour == PRESSED:
+        stage, view = replace(stage, planes=(), solids=()), sight_onto(stage.up, outward(result))
     shown = stage.is_cage if lattice is None else lattice
     low = 0.45 if cells else 0.40
     figure, box = new_figure(13.0, 7.6, dpi=130), (0.02, low, 0.96, 0.93 - low)

@@ -13,8 +13,8 @@ import numpy as np
 
 from softffd.embedding.basis import parameter
 from softffd.mesh.normals import split_at_creases
-from softffd.show.pressed import AtlasPlaces
 from softffd.show.stage import Stage
+from softffd.show.tension import AtlasPlaces
 
 PLACE_BITS, NORMAL_BITS = 20, 12
 

@@ -1,4 +1,5 @@
-"""Colours of what happens inside, a quantity of the lattice's cells, and of contact pressure, on the surface of a picture."""
+"""Colours of what happens inside, a quantity of the lattice's cells, and of contact pressure on taxels: on the surface of a picture, and
+for the page by its cells and by an atlas of all grids of taxels."""
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
@@ -9,14 +10,15 @@ import numpy as np
 
 from softffd.errors import SoftffdError
 from softffd.run.parts import require_name
-from softffd.run.pressure import with_pressure
+from softffd.run.pressure import surface_pressure, taxel_pressure, with_pressure
 from softffd.run.result import Result
-from softffd.show import pressed
-from softffd.show.stage import Stage
+from softffd.show.stage import Stage, surface_of
 
 RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)  # the second: inverted cells, which have no stress
 
 CELLS_AT_A_TIME = 200_000
+PRESSED = "contact_pressure"
+FACING = 0.2  # least cosine between the normal of a vertex and the side that a grid faces, for it to be of the grid
 
 
 def _von_mises(result: Result, frame: Any) -> np.ndarray:
@@ -61,8 +63,8 @@ def pressure_of(result: Result, frames: np.ndarray) -> Cells | None:
     """The contact pressure at these rows; None where there are no taxels that have it."""
     if not with_pressure(result.taxels, result.outputs):
         return None
-    values = pressed.atlas(result, frames)
-    return Cells(pressed.NAME, pressed.WORDS, "Pa", values, _ends(pressed.NAME, values))
+    values = _atlas(result, frames)
+    return Cells(PRESSED, "contact pressure on taxels, mean of the communication step", "Pa", values, _ends(PRESSED, values))
 
 
 def tension_of(result: Result, stage: Stage, frames: Sequence[int], colour: str) -> tuple[Cells, dict[int, np.ndarray]]:
@@ -70,10 +72,12 @@ def tension_of(result: Result, stage: Stage, frames: Sequence[int], colour: str)
     the centres of cells these are linear, beyond them that of the nearest. SoftffdError where the result does not know it."""
     from matplotlib import colormaps
 
-    require_name("colour", colour, [*COLOURS, pressed.NAME])
+    require_name("colour", colour, [*COLOURS, PRESSED])
     rows, tints = np.array(frames), {}
-    if colour == pressed.NAME:
-        all_of_vertices: Iterable[np.ndarray] = pressed.stage_pressure(result, stage, rows)  # refuses what pressure_of has not
+    if colour == PRESSED:
+        parts = result.covered_by_taxels(surface_of(result, stage))
+        of_surface = surface_pressure(result.outputs, parts, rows)  # refuses what pressure_of has not
+        all_of_vertices: Iterable[np.ndarray] = of_surface[:, _source(result, stage)]
         cells = pressure_of(result, rows)
         assert cells is not None
     else:
@@ -116,3 +120,57 @@ def at_places(values: np.ndarray, places: np.ndarray) -> np.ndarray:
         weight = np.where(corner, share, 1 - share).prod(axis=1)
         total += np.where(weight > 0, weight * values[tuple(np.minimum(low + corner, most).T)], 0.0)
     return total
+
+
+def outward(result: Result) -> np.ndarray:
+    """Unit vector (3,) that the first grid faces at rest."""
+    grid = with_pressure(result.taxels, result.outputs)[0]
+    return grid.side * np.eye(3)[grid.axis]
+
+
+def _atlas(result: Result, frames: np.ndarray) -> np.ndarray:
+    """Pressures (T, W, H, S) [Pa], a layer for each of S sensors; a grid smaller than a layer goes on as it ends."""
+    grids = with_pressure(result.taxels, result.outputs)
+    sides = _sides(result)
+    layers = [taxel_pressure(result.outputs, grid, frames) for grid in grids]
+    fills = [[(0, 0), *((0, side - count) for side, count in zip(sides, grid.counts, strict=True))] for grid in grids]
+    return np.stack([np.pad(layer, fill, mode="edge") for layer, fill in zip(layers, fills, strict=True)], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class AtlasPlaces:
+    """Where the vertices of a stage are in the atlas (V, 3), 0 .. 1, the axes (V,) and sides (V,) of their grids; a side of 0: in none."""
+
+    places: np.ndarray
+    axes: np.ndarray
+    sides: np.ndarray
+
+    def of(self, source: np.ndarray, normals: np.ndarray) -> np.ndarray:
+        """(W, 4) of copies of vertices, by the vertices (W,) and their normals (W, 3): place, and 1 on taxels, 0 beside them."""
+        towards = self.sides[source] * np.take_along_axis(normals, self.axes[source, None], axis=1)[:, 0]
+        return np.column_stack([self.places[source], towards > FACING])
+
+
+def atlas_places(result: Result, stage: Stage) -> AtlasPlaces | None:
+    """None where there are no taxels with pressures."""
+    parts = result.covered_by_taxels(surface_of(result, stage))
+    if not parts:
+        return None
+    source, sides, count = _source(result, stage), np.array(_sides(result)), len(parts)
+    inside = np.stack([part.inside for part in parts])
+    chosen = inside.argmax(axis=0)
+    shares = np.stack([part.shares.clip(0, 1) * np.array(part.grid.counts) / sides for part in parts])
+    places = np.column_stack([shares[chosen, np.arange(len(chosen))], (chosen + 0.5) / count])
+    axes, ways = np.array([part.grid.axis for part in parts]), np.array([part.grid.side for part in parts])
+    return AtlasPlaces(places[source], axes[chosen][source], np.where(inside.any(axis=0), ways[chosen], 0)[source])
+
+
+def _sides(result: Result) -> tuple[int, int]:
+    counts = [grid.counts for grid in with_pressure(result.taxels, result.outputs)]
+    return max(n for n, _ in counts) + 1, max(m for _, m in counts) + 1
+
+
+def _source(result: Result, stage: Stage) -> np.ndarray:
+    """Which vertex of the mesh (V,) each of the stage's copies."""
+    mesh = result.loaded_mesh
+    return np.arange(len(stage.vertices)) if mesh is None else mesh.looks.apart(mesh.faces)[0]

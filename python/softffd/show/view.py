@@ -22,12 +22,11 @@ from matplotlib import colormaps
 from softffd.errors import SoftffdError
 from softffd.files import write_text
 from softffd.run.result import Result
-from softffd.show import pressed
 from softffd.show.picture import run_picture
 from softffd.show.sight import first_sight
 from softffd.show.stage import FREE, PINNED, Stage, round_length, stage_of
 from softffd.show.template import filled, text_of
-from softffd.show.tension import Cells
+from softffd.show.tension import PRESSED, Cells
 from softffd.show.touch import INK, MARK
 from softffd.show.view_body import Body, largest
 
@@ -86,7 +85,7 @@ def _page(bodies: Sequence[Body], title: str) -> str:
     shared = {name: [each.cells[name].ends for each in bodies] for name in bodies[0].cells if all(name in each.cells for each in bodies)}
     scales = {name: (min(low for low, _ in ends), max(high for _, high in ends)) for name, ends in shared.items()}
     worst = [largest(each.stage, each.frames) for each in bodies]
-    pressure = max((each.cells[pressed.NAME].ends[1] for each in bodies if pressed.NAME in each.cells), default=1.0)
+    pressure = max((each.cells[PRESSED].ends[1] for each in bodies if PRESSED in each.cells), default=1.0)
     run = {
         **sights([each.stage for each in bodies], title),
         "note": "; ".join(filter(None, map(_thinned, bodies))),

@@ -16,13 +16,11 @@ from softffd.run.findings import energies, reactions
 from softffd.run.pressure import taxel_pressure, with_pressure
 from softffd.run.result import Result
 from softffd.run.stress import green_strain
-from softffd.show import pressed
-from softffd.show.pressed import AtlasPlaces, atlas_places
 from softffd.show.raster import Tint
 from softffd.show.solid import Form
 from softffd.show.stage import PlaneTrack, SolidTrack, Stage
 from softffd.show.surface import surface
-from softffd.show.tension import Cells, cells_of, pressure_of
+from softffd.show.tension import PRESSED, AtlasPlaces, Cells, atlas_places, cells_of, pressure_of
 from softffd.show.touch import Touch, touch_of
 from softffd.taxels import TaxelGrid
 
@@ -66,7 +64,7 @@ class Body:
         """All of it. scales: ends of the colours of its cells by name; scale: of the arrows."""
         stage, frames = self.stage, self.frames
         return {
-            **scenery(stage, frames, self.name, self.pane, atlas_places(self.result, stage) if pressed.NAME in scales else None),
+            **scenery(stage, frames, self.name, self.pane, atlas_places(self.result, stage) if PRESSED in scales else None),
             "time": text(stage.time[frames], "<f8"),
             "positions": text(to_flat(stage.positions[frames]) - stage.centre, "<f4"),
             "cells": [_cells(self.cells[name], ends) for name, ends in scales.items()],
