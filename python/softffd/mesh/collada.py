@@ -27,7 +27,7 @@ def read_dae(path: Path, data: bytes) -> Triangles:
     triangles = read_bodies(path, data)
     if lost and not len(triangles.faces):
         raise MeshError(f"{path}: none of its bodies can be read: {'; '.join(lost)}. Wanted meshes that are placed in the scene directly.")
-    return triangles._replace(looks=triangles.looks.and_notes(*lost, *_lost_looks(path, elements, triangles)))
+    return triangles.and_notes(*lost, *_lost_looks(path, elements, triangles))
 
 
 def _require_points(path: Path, elements: list[Element]) -> None:

@@ -49,8 +49,7 @@ def read_gltf(path: Path, data: bytes) -> Triangles:
 
 def _read(path: Path, header: dict[str, Any], packed: Callable[[], bytes]) -> Triangles:
     surfaces, notes = _made_plain(path, header)
-    triangles = read_bodies(path, packed(), surfaces)
-    return triangles._replace(looks=triangles.looks.and_notes(*notes))
+    return read_bodies(path, packed(), surfaces).and_notes(*notes)
 
 
 def glb_file(header: dict[str, Any], rest: bytes) -> bytes:

@@ -56,9 +56,8 @@ class Library:
         if unknown:
             why = f"{' and '.join(self._missing)} cannot be read" if self._missing else "no material library (MTL) describes them"
             self.notes.append(f"materials without a colour ({few(unknown)}): {why}")
-        lost = sorted({key for name in names for key in self._records.get(name, {}) if key.startswith(("map_", "bump", "norm", "disp"))})
-        lost = [key for key in lost if key != "map_kd"]
-        if lost:
+        given = {key for name in names for key in self._records.get(name, {}) if key.startswith(("map_", "bump", "norm", "disp"))}
+        if lost := sorted(given - {"map_kd"}):
             self.notes.append(f"pictures other than map_Kd are not kept: {few(lost)}")
         if clear := [material.name for material in materials if material.opacity < 1]:
             self.notes.append(f"transparent materials are shown opaque: {few(clear)}")

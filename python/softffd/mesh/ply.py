@@ -63,7 +63,7 @@ def read_ply(path: Path, data: bytes) -> Triangles:
             raise ValueError(f"{numbers.left // 8} numbers follow after all that the header describes")
         triangles = _triangles(path, header, records)
         note = f"{numbers.left} bytes that follow after all that the header describes" if numbers.left else ""  # padding
-        return triangles._replace(looks=triangles.looks.and_notes(note))
+        return triangles.and_notes(note)
     except ValueError as fault:
         raise damaged(path, str(fault)) from None
 

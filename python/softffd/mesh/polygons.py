@@ -26,6 +26,9 @@ class Triangles(NamedTuple):
     uv: np.ndarray | None = None
     looks: Looks = PLAIN
 
+    def and_notes(self, *notes: str) -> "Triangles":
+        return self._replace(looks=self.looks.and_notes(*notes))
+
 
 def assemble(
     positions: np.ndarray, corners: ArrayLike, counts: ArrayLike, *, texels: np.ndarray | None = None,

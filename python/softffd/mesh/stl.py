@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 
-from softffd.mesh.looks import PLAIN
 from softffd.mesh.polygons import Triangles, damaged, plain_text
 
 _HEAD = 84
@@ -38,7 +37,7 @@ def _binary(data: bytes, promised: int, rest: int) -> Triangles:
     coloured = b"COLOR=" in data[:80] or ((records["attribute"] & 0x8000) != 0).any()
     notes = ["colours of an STL file are not read; OBJ, PLY and GLB keep theirs"] * bool(coloured)
     notes += [f"{rest} bytes that follow after the {promised} triangles of its header"] * bool(rest)
-    return _soup(records["corners"])._replace(looks=PLAIN.and_notes(*notes))
+    return _soup(records["corners"]).and_notes(*notes)
 
 
 def _soup(corners: np.ndarray) -> Triangles:
@@ -61,4 +60,4 @@ def _text_triangles(path: Path, data: bytes) -> Triangles:
     except ValueError:
         raise damaged(path, "a vertex is not three numbers") from None
     note = "no line 'endsolid' at its end, though all facets are whole" if keys.count(b"solid") != ended else ""
-    return triangles._replace(looks=PLAIN.and_notes(note))
+    return triangles.and_notes(note)

@@ -46,11 +46,9 @@ def _read(path: Path, data: bytes, archive: ZipFile) -> Triangles:
     if lost and not len(triangles.faces):
         raise MeshError(f"{path}: none of its bodies can be read: broken references ({few(lost)})")
     coloured = any(_parts(archive, name)[2] for name in names)
-    return triangles._replace(
-        looks=triangles.looks.and_notes(
-            f"broken references ({few(lost)})" if lost else "",
-            "colours of a 3MF file are not read; OBJ, PLY and GLB keep theirs" if coloured else "",
-        )
+    return triangles.and_notes(
+        f"broken references ({few(lost)})" if lost else "",
+        "colours of a 3MF file are not read; OBJ, PLY and GLB keep theirs" if coloured else "",
     )
 
 
