@@ -107,6 +107,14 @@ def _bernstein(t: np.ndarray, n: int) -> np.ndarray:
 
     Each is a product of numbers of one sign, so it is accurate to a few units in its last place at any degree.
     """
+    rising, falling = _powers(t, n), _powers(1.0 - t, n)[::-1]
     binomials = np.array([comb(n - 1, i) for i in range(n)], dtype=float)
-    rising, falling = (np.ascontiguousarray(powers.T) for powers in (np.vander(t, n, increasing=True), np.vander(1.0 - t, n)))
     return (binomials[:, None] * rising * falling).T
+
+
+def _powers(t: np.ndarray, n: int) -> np.ndarray:
+    """Rows t^0 .. t^(n-1), shape (n, m)."""
+    powers = np.ones((n, t.size))
+    for i in range(1, n):
+        np.multiply(powers[i - 1], t, out=powers[i])
+    return powers
