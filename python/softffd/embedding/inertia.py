@@ -52,7 +52,7 @@ def _of_simplices(corners: np.ndarray, content: np.ndarray, *, at_origin: bool) 
     """Second moments of points, triangles or tetrahedra, corners (m, 1 or 3, 3), with a further corner at the origin or not."""
     ends = corners.shape[1] + at_origin
     total, sums = content.sum(), corners.sum(axis=1)
-    centre = content @ sums / (ends * total)
+    centre = _times(sums.T, content) / (ends * total)
     own = np.einsum("f,fcx,fcy->xy", content, corners, corners) + np.einsum("f,fx,fy->xy", content, sums, sums)
     return own / (ends * (ends + 1) * total) - np.outer(centre, centre)
 
@@ -74,7 +74,7 @@ def matched_shares(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray
     None where there are none.
     """
     near, of_object, places = rows.ravel() / rows.sum(), object_rows.ravel() / object_rows.sum(), _places(rows.shape)
-    found = _projected(near, near, _moments(places), _aim(of_object @ places, wanted, size), np.full(near.shape, floor))
+    found = _projected(near, near, _moments(places), _aim(_times(places.T, of_object), wanted, size), np.full(near.shape, floor))
     return None if found is None else found.reshape(rows.shape)
 
 
@@ -87,7 +87,7 @@ def nearest_shares(
     its middle. None where no shares have total and centre.
     """
     near, scale = rows.ravel() / rows.sum(), metric.ravel() / metric.sum()
-    moments, aim = _moments(places), _aim(near @ places, wanted, size)
+    moments, aim = _moments(places), _aim(_times(places.T, near), wanted, size)
     tries = [*((floor, 0.0) for floor in floors), *((floors[-1], gives) for gives in GIVES)]
     found = (_projected(near, scale, moments, aim, floor * scale, gives) for floor, gives in tries)
     return next((each.reshape(rows.shape) for each in found if each is not None), None)
@@ -155,27 +155,45 @@ def _projected(
 
     def at(y: np.ndarray) -> tuple[np.ndarray, float]:
         """The shares of multipliers, and the dual's value."""
-        push = moments.T @ y
+        push = _times(moments.T, y)
         shares = np.maximum(floor, scale * (near / scale + push))
-        return shares, float(aim @ y - push @ shares + 0.5 * ((shares - near) ** 2 / scale).sum() - 0.5 * soft @ y**2)
+        return shares, float((aim * y - 0.5 * soft * y**2).sum() + (0.5 * (shares - near) ** 2 / scale - push * shares).sum())
 
     y = np.zeros(len(aim))
     shares, value = at(y)
     for _ in range(ROUNDS):
-        missing = aim - moments @ shares - soft * y
+        missing = aim - _times(moments, shares) - soft * y
         if np.abs(missing).max() < ENOUGH:
             return shares
         free = shares > floor
-        curvature = (moments[:, free] * scale[free]) @ moments[:, free].T + np.diag(soft)
+        curvature = _times(moments[:, None], moments * scale * free) + np.diag(soft)
         if np.linalg.cond(curvature) > 1e13:
             return None
-        way, length = np.linalg.solve(curvature, missing), 1.0
+        way, length = _solved(curvature, missing), 1.0
         while True:
             shares, new = at(y + length * way)
-            if new >= value + 1e-4 * length * (missing @ way) - 1e-15 * abs(value):
+            if new >= value + 1e-4 * length * (missing * way).sum() - 1e-15 * abs(value):
                 break
             length /= 2
             if length < 1e-10:
                 return None
         y, value = y + length * way, new
     return None
+
+
+def _times(matrix: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """matrix (..., n) @ numbers (..., n), summed in one order on all processors.
+
+    BLAS sums as registers are wide: a scene's masses, and with them its results and its GUID, would differ by rounding between machines.
+    """
+    return (matrix * numbers).sum(axis=-1)
+
+
+def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The solution (n,) of a symmetric positive definite system (n, n), likewise: by elimination without pivots."""
+    rows = np.column_stack([matrix, right])
+    for i, row in enumerate(rows):
+        row /= row[i]
+        others = np.arange(len(rows)) != i
+        rows[others] -= rows[others, i, None] * row
+    return rows[:, -1]
