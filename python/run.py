@@ -39,6 +39,7 @@ BUILD = ROOT / "build" / "native"
 STAMP = VENV / "softffd-built"
 BUILT_FROM = ("pyproject.toml", "CMakeLists.txt", "LICENSE", "fmu_src", "modelDescription")
 TOOLS = ("stability", "random", "benchmarks", "scipy", "twin", "cross-check")  # of python/validation
+ALONE = ("release", "wasm", "docs")  # take no arguments
 LEAST_PYTHON = (3, 11)
 COMPILED = re.compile(r"^\s*\[\s*([1-9]\d*/\d+|\d+%)\]")  # ninja's words for how far it is, and those of make
 CLEAR = "\r\033[K"
@@ -189,7 +190,7 @@ def add_extra(extra, without):
 
 def main():
     arguments = sys.argv[1:]
-    if not arguments or arguments[0] in ("-h", "--help"):
+    if not arguments or {"-h", "--help"} & {arguments[0], *(arguments if arguments[0] in ALONE else ())}:
         print(__doc__)
         return 0
     set_up()

@@ -103,3 +103,10 @@ def test_the_command_says_how_to_finish_a_set_up(tmp_path):
     ended = subprocess.run(command, env={"PYTHONPATH": str(tmp_path)}, cwd=tmp_path, capture_output=True, text=True)
     assert (ended.returncode, ended.stdout) == (1, "")
     assert ended.stderr.startswith("softffd: the package pydantic is not installed, as after a set-up that was interrupted; to ")
+
+
+@pytest.mark.parametrize("words", [["--help"], ["release", "--help"], ["wasm", "-h"], ["docs", "--help"]], ids=" ".join)
+def test_help_is_printed_and_nothing_is_done(script, monkeypatch, capsys, words):
+    monkeypatch.setattr(sys, "argv", ["run.py", *words])
+    monkeypatch.setattr(script, "set_up", lambda: pytest.fail("sets up"))
+    assert script.main() == 0 and capsys.readouterr().out == f"{script.__doc__}\n"

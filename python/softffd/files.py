@@ -65,6 +65,14 @@ def table_text(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     return text.getvalue()
 
 
+def seen_from(folder: str | Path, file: Path) -> str:
+    """The path of a file as one names it in a folder."""
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:  # another drive
+        return file.absolute().as_posix()
+
+
 def size_of(path: Path) -> int:
     """Bytes of a file, or of all files in a folder."""
     return sum(each.stat().st_size for each in path.rglob("*")) if path.is_dir() else path.stat().st_size

@@ -6,6 +6,7 @@ COMPONENT.VARIABLE, in resources/start.ssv for fmpy, which reads none of its own
 
 from __future__ import annotations
 
+import json
 import re
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,18 +18,21 @@ from xml.etree import ElementTree as Xml
 import fmpy
 
 from softffd.errors import SoftffdError
-from softffd.files import replacing
+from softffd.files import replacing, seen_from
 from softffd.fmu.archive import require_no_bomb
 from softffd.fmu.interface import read_interface
 from softffd.fmu.model_description import xml_text
 from softffd.fmu.package import package_fmu
 from softffd.fmu.wiring import Connection, Element, Wiring, read_units
+from softffd.scene.kept import KeptScene
 from softffd.scene.scene import Scene, scene_of
 from softffd.spelling import did_you_mean
 
 SSP = "http://ssp-standard.org/SSP1/SystemStructure"
 SPACES = {"ssd": f"{SSP}Description", "ssc": f"{SSP}Common", "ssv": f"{SSP}ParameterValues"}
 FMU, START = "application/x-fmu-sharedlibrary", "resources/start.ssv"
+KEPT = "extra/softffd/{}.json"
+"""Of a component that was made of a scene: that scene"""
 for _prefix, _space in SPACES.items():
     Xml.register_namespace(_prefix, _space)
 
@@ -82,7 +86,10 @@ def _write(
     if not isinstance(components, Mapping) or not components:
         raise SoftffdError(f"components: wanted scenes and FMUs by name, as {{'box': scene, 'plate': 'plate.fmu'}}, got {components!r:.70}")
     with TemporaryDirectory(prefix="softffd-") as folder:
-        files = {_checked_name(name): _fmu_of(name, what, Path(folder)) for name, what in components.items()}
+        given = {_checked_name(name): _fmu_or_scene(name, what) for name, what in components.items()}
+        scenes = {name: what for name, what in given.items() if isinstance(what, Scene)}
+        made = {name: package_fmu(scene, Path(folder) / f"{name}.fmu") for name, scene in scenes.items()}
+        files = {name: made.get(name) or Path(what) for name, what in given.items()}
         wiring = Wiring({name: _element(name, file) for name, file in files.items()})
         wiring.connect(connections)
         wiring.start(start_values)
@@ -97,6 +104,8 @@ def _write(
                 archive.writestr(START, xml_text(_parameter_set(named, wiring)))
             for name, file in files.items():
                 archive.write(file, f"resources/{name}.fmu", zipfile.ZIP_STORED)
+            for name, scene in scenes.items():
+                archive.writestr(KEPT.format(name), json.dumps(_kept(scene, path), default=str))
     return path, wiring
 
 
@@ -106,12 +115,21 @@ def _checked_name(name: str) -> str:
     return name
 
 
-def _fmu_of(name: str, what: Scene | str | Path, folder: Path) -> Path:
+def _fmu_or_scene(name: str, what: Scene | str | Path) -> Any:
+    """The path of an FMU that is there, or a scene."""
     if not isinstance(what, str | Path) or Path(what).suffix.lower() != ".fmu":
-        return package_fmu(scene_of(what, name, "a Scene, the path or name of one, or the path of an FMU"), folder / f"{name}.fmu")
+        return scene_of(what, name, "a Scene, the path or name of one, or the path of an FMU")
     if not Path(what).is_file():
         raise SoftffdError(f"{what}: there is no such FMU")
-    return Path(what)
+    return what
+
+
+def _kept(scene: Scene, path: Path) -> dict[str, Any]:
+    """What a system at this path keeps of a scene, so that its runs can be shown again with the mesh."""
+    kept = vars(KeptScene.of(scene)) | {"path": scene.path.name}
+    if scene.mesh:
+        kept["keys"]["mesh"]["file"] = seen_from(path.parent, scene.mesh.file)
+    return kept
 
 
 def _element(name: str, file: Path) -> Element:

@@ -2,34 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar, overload
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
 
 import numpy as np
 
 from softffd.errors import FmuError, UnknownName
-from softffd.names import Cell, parse_name, variable_names, vector_names
+from softffd.names import Cell, parse_name, parts_of, variable_names, vector_names
+from softffd.run.variables import Variables
 from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from softffd.fmu.block import Block
     from softffd.fmu.component import Component
     from softffd.fmu.interface import ScalarVariable
 
 T = TypeVar("T")
-
-
-class Variables(Protocol):
-    """What reads and sets variables by name, those of a component: a Simulation."""
-
-    def vector(self, name: str) -> np.ndarray: ...
-    def number(self, name: str) -> float | int: ...
-    def block(self, names: Iterable[str]) -> Block: ...
-    @property
-    def component(self) -> Component: ...
-    def __setitem__(self, name: str, value: Any) -> None: ...
 
 
 class Field(Generic[T]):
@@ -53,11 +42,11 @@ class Field(Generic[T]):
 
 
 def _vector(doc: str) -> Field[np.ndarray]:
-    return Field(doc, lambda simulation, name: simulation.vector(name))
+    return Field(doc, Variables.vector)
 
 
 def _number(doc: str) -> Field[float]:
-    return Field(doc, lambda simulation, name: simulation.number(name))
+    return Field(doc, Variables.number)
 
 
 class Part:
@@ -147,39 +136,39 @@ class Sensor(Part):
 class Parts(Mapping[str, T]):
     """The parts of one kind by name, in the order of the scene; FmuError with the nearest name for an unknown one."""
 
-    def __init__(self, kind: str, names: list[str], part: Callable[[str], T]):
-        self._kind, self._names, self._part = kind, names, part
+    def __init__(self, kind: str, simulation: Variables, part: Callable[[Variables, str], T], *, of: Sequence[str] = ()):
+        """part: makes one from the beginning of its variables' names. of: the kinds that `kind` stands for, where these are several."""
+        self._kind, self._simulation, self._part = kind, simulation, part
+        self._paths = {each.name: str(each) for each in parts_of(simulation.variables, *(of or (kind,)))}
+
+    def _path(self, name: str) -> str:
+        require_name(self._kind, name, self._paths)
+        return self._paths[name]
 
     def __getitem__(self, name: str) -> T:
-        require_name(self._kind, name, self._names)
-        return self._part(name)
+        return self._part(self._simulation, self._path(name))
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
+        return iter(self._paths)
 
     def __len__(self) -> int:
-        return len(self._names)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._names
+        return len(self._paths)
 
     def __repr__(self) -> str:
-        return f"<{self._kind}: {', '.join(self._names) or 'none'}>"
+        return f"<{self._kind}: {', '.join(self) or 'none'}>"
 
 
 class Vectors(Parts[np.ndarray]):
     """Parts that are vectors themselves; the inputs among them can be set as a whole."""
 
-    def __init__(self, kind: str, names: list[str], simulation: Variables):
-        super().__init__(kind, names, lambda name: simulation.vector(f"{kind}.{name}"))
-        self._simulation = simulation
+    def __init__(self, kind: str, simulation: Variables):
+        super().__init__(kind, simulation, Variables.vector)
 
     def __setitem__(self, name: str, value: ArrayLike) -> None:
-        require_name(self._kind, name, self._names)
-        self._simulation[f"{self._kind}.{name}"] = value
+        self._simulation[self._path(name)] = value
 
 
-def require_name(kind: str, name: str, names: list[str]) -> None:
+def require_name(kind: str, name: str, names: Collection[str]) -> None:
     """FmuError with the nearest name where there is no part of this name."""
     if name not in names:
         there = f"; there is {', '.join(names)}" if names else ""

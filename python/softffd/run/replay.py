@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import dataclasses
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Union
@@ -14,13 +15,14 @@ from softffd.errors import FmuError, SoftffdError
 from softffd.fmu.archive import require_no_bomb
 from softffd.fmu.component import Component
 from softffd.fmu.interface import ScalarVariable
-from softffd.fmu.ssp import START
+from softffd.fmu.ssp import KEPT, START
 from softffd.run.inputs import Inputs
 from softffd.run.progress import Note, silent
 from softffd.run.result import Result
 from softffd.run.simulate import simulate
 from softffd.run.simulation import Simulation
 from softffd.run.tables import is_data_frame, read_csv, structured_array, table_of
+from softffd.scene.kept import KeptScene
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,8 +48,10 @@ def replay(scene_or_fmu: Scene | str | Path, rows: Rows, component: str, **optio
     """
     table = _table(rows)
     with Simulation(scene_or_fmu) as opened:
-        variables = opened.variables
-    inputs = _given(table, component, variables)
+        inputs = {name: each for name, each in opened.variables.items() if each.causality == "input"}
+    if "time" in _columns(table) and not _led(table, component, inputs):
+        others = sorted({each.partition(".")[0] for each in _columns(table)} - {"time"})
+        raise FmuError(f"rows: wanted columns {component}.VARIABLE of its inputs, got none; there are columns of {', '.join(others)}")
     times = _times(table)
     return _at(times, scene_or_fmu, inputs=_inputs(table, times, component, inputs), **options)
 
@@ -60,41 +64,50 @@ def _at(times: np.ndarray, scene_or_fmu: Scene | str | Path, **options: Any) -> 
 def replay_system(system: Path, rows: Rows, stage: Note = silent) -> dict[str, Result]:
     """What the components of a coupled run did that are soft bodies, by their names in the system, each as `replay` gives it.
 
-    system: the path of the `.ssp`, whose FMUs and start values count; their meshes are not in it. rows: of `replay`, for all of them; one
-        that is given no inputs moves by itself.
+    system: the path of the `.ssp`, whose FMUs and start values count; a scene that an FMU was made of comes along where its mesh is
+        found. rows: of `replay`, for all of them; a component without inputs in them moves by itself.
     stage: is told what is being done. Raises SoftffdError where the file is no system or has no soft body.
     """
     table = _table(rows)
-    times, columns = _times(table), _columns(table)
+    times = _times(table)
     results: dict[str, Result] = {}
     with TemporaryDirectory(prefix="softffd-") as folder:
-        for name, (content, starts) in _components_of(system).items():
+        for name, (content, starts, kept) in _components_of(system).items():
             fmu = Path(folder) / f"{len(results)}.fmu"
             fmu.write_bytes(content)
             with Component(fmu, running=False) as component:
                 if component.lattice is None:
                     continue
-                led = any(each.causality == "input" and f"{name}.{own}" in columns for own, each in component.by_name.items())
+                led = _led(table, name, [each.name for each in component.by_name.values() if each.causality == "input"])
             stage(f"simulating {name} again")
-            results[name] = replay(fmu, table, name, start_values=starts) if led else _at(times, fmu, inputs={}, start_values=starts)
+            result = replay(fmu, table, name, start_values=starts) if led else _at(times, fmu, inputs={}, start_values=starts)
+            scene, why = kept.found(result.lattice, system.absolute().parent) if kept else (None, "")
+            results[name] = dataclasses.replace(result, scene=scene, sceneless=why)
     if not results:
         raise SoftffdError(f"{system}: wanted a system with a soft body, an FMU of softffd; got none")
     return results
 
 
-def _components_of(system: Path) -> dict[str, tuple[bytes, dict[str, Any]]]:
-    """The FMUs of a system and their start values, by component."""
+def _components_of(system: Path) -> dict[str, tuple[bytes, dict[str, Any], KeptScene | None]]:
+    """The FMUs of a system, their start values, and the scenes that are kept of them, by component."""
     from fmpy.ssp.ssd import read_ssd, read_ssv
+    from pydantic import TypeAdapter
 
+    found = {}
     try:
         with ZipFile(system) as archive:
             require_no_bomb(archive, system.stat().st_size)
-            starts = read_ssv(str(system), START).parameters if START in archive.namelist() else []
-            own = [(*each.name.partition(".")[::2], each.value) for each in starts]
-            elements = {each.name: archive.read(each.source) for each in read_ssd(str(system)).system.elements}
+            there = archive.namelist()
+            own = (
+                [(*each.name.partition(".")[::2], each.value) for each in read_ssv(str(system), START).parameters] if START in there else []
+            )
+            for each in read_ssd(str(system)).system.elements:
+                scene = KEPT.format(each.name)
+                kept = TypeAdapter(KeptScene).validate_json(archive.read(scene)) if scene in there else None
+                found[each.name] = archive.read(each.source), {key: value for of, key, value in own if of == each.name}, kept
     except Exception as error:
         raise SoftffdError(f"{system}: cannot be read as a system of FMUs (SSP): {error}") from error
-    return {name: (content, {key: value for of, key, value in own if of == name}) for name, content in elements.items()}
+    return found
 
 
 def _table(rows: Rows) -> Any:
@@ -115,13 +128,9 @@ def _columns(table: Any) -> Sequence[str]:
     return getattr(getattr(table, "dtype", None), "names", None) or ()
 
 
-def _given(table: Any, component: str, variables: dict[str, ScalarVariable]) -> dict[str, ScalarVariable]:
-    """The inputs of a component, of which the rows have some."""
-    columns, inputs = _columns(table), {name: each for name, each in variables.items() if each.causality == "input"}
-    if "time" in columns and not any(f"{component}.{name}" in columns for name in inputs):
-        others = sorted({each.partition(".")[0] for each in columns} - {"time"})
-        raise FmuError(f"rows: wanted columns {component}.VARIABLE of its inputs, got none; there are columns of {', '.join(others)}")
-    return inputs
+def _led(table: Any, component: str, inputs: Iterable[str]) -> bool:
+    """Whether the rows have some of a component's inputs."""
+    return any(f"{component}.{name}" in _columns(table) for name in inputs)
 
 
 def _inputs(table: Any, times: np.ndarray, component: str, inputs: dict[str, ScalarVariable]) -> np.ndarray:

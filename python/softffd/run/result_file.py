@@ -10,49 +10,36 @@ numpy.load reads it too. Nothing in it is pickled, and every entry has its check
 
 from __future__ import annotations
 
-import csv
-import hashlib
-import io
 import json
-import os
-import re
+import zipfile
+import zlib
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, is_dataclass
 from functools import partial
+from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from softffd import __version__
 from softffd.embedding.deform import BASES
-from softffd.errors import SceneError, SoftffdError
-from softffd.files import replacing, require_writable
+from softffd.errors import SoftffdError
+from softffd.files import replacing, require_writable, table_text
 from softffd.fmu.component import Message
 from softffd.lattice import LatticeBox
 from softffd.obstacles import Obstacles
-from softffd.run.npz import UNREADABLE, damaged, read_arrays, write_arrays
-from softffd.scene.document import SHIPPED, shown
+from softffd.run.drive import memory
+from softffd.scene.document import shown
+from softffd.scene.kept import KeptScene
 from softffd.taxels import TaxelGrid
-
-if TYPE_CHECKING:
-    from softffd.mesh.mesh import Mesh
-    from softffd.scene.scene import Scene
 
 FORMAT, VERSION = "softffd result", 1
 OWN = ("header", "time", "positions", "inputs", "outputs")
+TOLD = ("parameters", "summary", "lattice", "flat_names", "obstacles", "log", "taxels")
+"""Fields of the Result that the header has as they are"""
 KEPT = "result.npz"
 """What the file of a result is called in a folder."""
-
-
-@dataclass(frozen=True)
-class KeptScene:
-    """What the header says of a run's scene."""
-
-    path: Any
-    keys: dict[str, Any]
-    mesh: str | None
-    """Fingerprint of the mesh that was read"""
 
 
 @dataclass(frozen=True)
@@ -81,9 +68,10 @@ def write_files(path: Path, fields: Mapping[str, Any], columns: Mapping[str, np.
     folder = path.parent if one else path
     require_writable(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    files: dict[str, Callable[[BinaryIO], None]] = {path.name if one else KEPT: partial(_write_result, fields)}
+    files: dict[str, Callable[[BinaryIO], object]] = {path.name if one else KEPT: partial(_write_result, fields)}
     if not one:
-        files |= {"result.csv": partial(_write_csv, columns), "summary.json": partial(_write_summary, fields["summary"])}
+        summary = json.dumps(fields["summary"], indent=2) + "\n"
+        files |= {"result.csv": partial(_write_csv, columns), "summary.json": lambda stream: stream.write(summary.encode())}
     for name, write in files.items():
         with replacing(folder / name) as stream:
             write(stream)
@@ -93,34 +81,16 @@ def write_files(path: Path, fields: Mapping[str, Any], columns: Mapping[str, np.
 def _write_result(fields: Mapping[str, Any], stream: BinaryIO) -> None:
     time, inputs = fields["time"], fields["inputs"]
     rows = np.stack(list(inputs.values()), axis=1) if inputs else np.zeros((len(time), 0))
-    header = np.array(json.dumps(_header(**fields), default=_plain))
-    arrays = {"header": header, "time": time, "positions": fields["positions"], "inputs": rows}
+    scene = fields["scene"] and KeptScene.of(fields["scene"])
+    header = {"format": FORMAT, "version": VERSION, "softffd": __version__, "outputs": list(fields["outputs"]), "inputs": list(inputs)}
+    header |= {"scene": scene} | {key: fields[key] for key in TOLD}
+    arrays = {"header": np.array(json.dumps(header, default=_plain)), "time": time, "positions": fields["positions"], "inputs": rows}
     write_arrays(stream, arrays | {_entry(name): values for name, values in fields["outputs"].items()})
 
 
-def _header(
-    *, outputs: Mapping[str, Any], inputs: Mapping[str, Any], lattice: LatticeBox | None, obstacles: Obstacles | None,
-    log: tuple[Message, ...], scene: Scene | None, taxels: tuple[TaxelGrid, ...], **others: Any,
-) -> dict[str, Any]:  # fmt: skip
-    kept = scene and KeptScene(scene.path, scene.keys_given(), _fingerprint(scene.loaded_mesh) if scene.loaded_mesh else None)
-    return {
-        "format": FORMAT, "version": VERSION, "softffd": __version__,
-        **{key: others[key] for key in ("parameters", "summary", "flat_names")},
-        "outputs": list(outputs), "inputs": list(inputs), "log": [list(message) for message in log],
-        "lattice": lattice and asdict(lattice), "obstacles": obstacles and asdict(obstacles), "scene": kept and vars(kept),
-        **({"taxels": [asdict(grid) for grid in taxels]} if taxels else {}),
-    }  # fmt: skip
-
-
 def _write_csv(columns: Mapping[str, np.ndarray], stream: BinaryIO) -> None:
-    header = io.StringIO()
-    csv.writer(header, lineterminator="\n").writerow(columns)
-    stream.write(header.getvalue().encode())
+    stream.write(table_text(columns, []).encode())
     np.savetxt(stream, np.stack(list(columns.values()), axis=1), fmt="%.17g", delimiter=",")
-
-
-def _write_summary(summary: Mapping[str, Any], stream: BinaryIO) -> None:
-    stream.write((json.dumps(summary, indent=2) + "\n").encode())
 
 
 def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
@@ -151,9 +121,8 @@ def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
         _require_one_run(header, **fields)
     except (KeyError, TypeError, *UNREADABLE) as fault:
         raise damaged(path, "result", fault) from None
-    scene, why = (None, "") if header.scene is None else _scene(header.scene, header.lattice, path.absolute().parent, mesh)
-    told = {name: getattr(header, name) for name in ("parameters", "summary", "lattice", "flat_names", "obstacles", "log", "taxels")}
-    return fields | told | {"scene": scene, "sceneless": why}
+    scene, why = (None, "") if header.scene is None else header.scene.found(header.lattice, path.absolute().parent, mesh)
+    return fields | {name: getattr(header, name) for name in TOLD} | {"scene": scene, "sceneless": why}
 
 
 def _read_header(said: dict[str, Any]) -> Header:
@@ -172,7 +141,9 @@ def _entry(name: str) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON has instead of a number of numpy or a path."""
+    """What JSON has instead of a number of numpy, a dataclass or a path."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return asdict(value)
     return value.item() if isinstance(value, np.generic) else str(value)
 
 
@@ -193,38 +164,37 @@ def _require_one_run(
         raise ValueError(f"header, summary.warnings: wanted a list, got {header.summary['warnings']!r:.70}")
 
 
-def _scene(kept: KeptScene, lattice: LatticeBox | None, folder: Path, given: Path | None) -> tuple[Scene | None, str]:
-    """The scene of the keys, if its mesh is found and still the one of the run; else None, and why."""
-    from softffd.scene.scene import scene_from
+# ---- arrays by name in one file, which numpy's own savez would not write for any name ----
 
-    keys = dict(kept.keys)
-    if (named := keys.get("mesh")) and isinstance(named, dict):
-        file = given or _mesh_file(str(named.get("file", "")), folder)
-        if file is None:
-            why = f"its mesh, {named.get('file')}, is not beside it nor below its folder: load(..., mesh=FILE) takes it from elsewhere"
-            return None, why
-        keys["mesh"] = {**named, "file": str(file.absolute())}
+UNREADABLE = (OSError, ValueError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error, MemoryError, OverflowError)
+"""What archives raise that are none, or damaged."""
+
+
+def write_arrays(stream: BinaryIO, arrays: Mapping[str, Any]) -> None:
+    """Writes the whole archive, compressed and each entry with its checksum. Nothing is pickled: ValueError for arrays of objects."""
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, values in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                np.lib.format.write_array(entry, np.asanyarray(values), allow_pickle=False)
+
+
+def read_arrays(path: Path, what: str) -> dict[str, np.ndarray]:
+    """All arrays of a file that should be a `what`, "sweep"; SoftffdError where it is missing, damaged, or larger than the memory."""
     try:
-        scene = scene_from(keys, path=str(kept.path))
-    except (SceneError, OSError, ValueError) as error:
-        return None, error.problems[0] if isinstance(error, SceneError) else str(error)
-    if lattice and scene.lattice_box.points != lattice.points:
-        return None, f"its scene has a lattice of {scene.lattice_box.points}, the run one of {lattice.points}"
-    if scene.loaded_mesh and _fingerprint(scene.loaded_mesh) != kept.mesh:
-        return None, f"{scene.mesh.file if scene.mesh else ''} is another mesh than at the time of the run"
-    return scene, ""
+        with zipfile.ZipFile(path) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+            if size > memory():
+                raise SoftffdError(
+                    f"{shown(path)}: its arrays take {size / 1e9:.3g} GB; wanted at most {memory() / 1e9:.3g} GB, this machine's memory"
+                )
+            entries = {name.removesuffix(".npy"): archive.read(name) for name in archive.namelist()}
+        return {name: np.lib.format.read_array(BytesIO(entry), allow_pickle=False) for name, entry in entries.items()}
+    except FileNotFoundError:
+        raise SoftffdError(f"{shown(path)}: there is no such file; wanted a {what} that softffd wrote") from None
+    except UNREADABLE as fault:
+        raise damaged(path, what, fault) from None
 
 
-def _mesh_file(name: str, folder: Path) -> Path | None:
-    """Where the mesh is looked for: beside the result, else where it was if that is below the result's folder, below the working one, or
-    comes with the package. Of any other place that a file names not even its being there is asked."""
-    beside = folder / (re.split(r"[\\/]", name)[-1] or "-")
-    if beside.is_file():
-        return beside
-    was = Path(os.path.normpath(folder / name))
-    return was if any(was.is_relative_to(place) for place in (folder, Path.cwd(), SHIPPED)) else None
-
-
-def _fingerprint(mesh: Mesh) -> str:
-    """Of vertices and faces."""
-    return hashlib.sha256(mesh.vertices.astype("<f8").tobytes() + mesh.faces.astype("<i8").tobytes()).hexdigest()
+def damaged(path: Path, what: str, fault: object) -> SoftffdError:
+    """Of a file that should be a `what`."""
+    return SoftffdError(f"{shown(path)}: damaged, or no {what} that softffd wrote ({fault})")

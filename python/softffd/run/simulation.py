@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from softffd.errors import FmuError, UnknownName
-from softffd.fmu.block import Block, number_of, one_number
+from softffd.errors import FmuError
+from softffd.fmu.block import one_number
 from softffd.fmu.component import Component, Message
-from softffd.fmu.interface import ScalarVariable
-from softffd.names import OBSTACLES, components_in, part_names, parts_of, vectors_in
+from softffd.names import OBSTACLES, part_names
 from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Sensor, Vectors
+from softffd.run.variables import Variables
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -50,7 +50,7 @@ class State:
             self.component.free_state(self.handle)
 
 
-class Simulation:
+class Simulation(Variables):
     """One FMU of a scene, from its start on. Use as a context manager.
 
         with softffd.Simulation(scene, tolerance=1e-5) as sim:
@@ -88,10 +88,8 @@ class Simulation:
     ):
         if log is not None and not callable(log):
             raise FmuError(f"log: wanted a function that takes a message, such as print, got {log!r:.70}")
-        self.component = scene_or_fmu if isinstance(scene_or_fmu, Component) else Component(run_source(scene_or_fmu, "Simulation"))
-        """The thin layer below: its calls are those of the standard"""
+        super().__init__(scene_or_fmu if isinstance(scene_or_fmu, Component) else Component(run_source(scene_or_fmu, "Simulation")))
         self.component.listener = log
-        self._blocks: dict[str, Block] = {}
         self._fields: dict[str, PointField] = {}
         try:
             self._begin(method, start_values, tolerance=tolerance, start_time=start_time, stop_time=stop_time)
@@ -107,7 +105,6 @@ class Simulation:
         self.time = one_number("start time", start_time)
         """Of the communication point [s]"""
         self.initializing = True
-        """Whether the first step is still to come, so that everything can be set"""
         for name, value in {**({} if method is None else {"solver.method": method}), **(values or {})}.items():
             self[name] = value
         if tolerance is not None and not (one_number("tolerance", tolerance) > 0 and math.isfinite(tolerance)):
@@ -197,94 +194,6 @@ class Simulation:
             component.free_state(handle)
         _, self.time, self.initializing = HEAD.unpack_from(data)
 
-    # ---- variables by name ----
-
-    @property
-    def variables(self) -> dict[str, ScalarVariable]:
-        """All scalar variables by name: type, causality, variability, start, unit, description."""
-        return self.component.by_name
-
-    def __contains__(self, name: object) -> bool:
-        return isinstance(name, str) and bool(self._components(name))
-
-    def __getitem__(self, name: str) -> Any:
-        """A variable's value: a number, its name where it has one (`solver.method`), of a Boolean True or False, of a String its text; or,
-        where `name` has components .x .y .z, an array of them."""
-        if name not in self.variables:
-            return self.vector(name)
-        variable, value = self.variables[name], self._block(name).get().tolist()[0]
-        if variable.type == "Boolean":
-            return bool(value)
-        return next((item for item, number in (variable.items or {}).items() if number == value), value)
-
-    def __setitem__(self, name: str, value: Any) -> None:
-        """Sets a variable, or all components of a vector. FmuError for outputs and numbers that are not finite."""
-        variables = [self.variables[each] for each in self._named(name)]
-        for variable in variables:
-            if variable.causality not in ("input", "parameter"):
-                raise FmuError(f"{variable.name}: wanted an input or a parameter, got an {variable.causality}")
-            if variable.variability == "fixed" and not self.initializing:
-                when = "can be set before the first step only; `restart` takes other start values"
-                raise FmuError(f"{variable.name}: a fixed parameter {when}")
-        values = [value] if name in self.variables else _components_of(name, value, len(variables))
-        given = [number_of(variable, each) for variable, each in zip(variables, values, strict=True)]
-        for variable, number in zip(variables, given, strict=True):
-            if not (isinstance(number, str) or math.isfinite(number)):
-                raise FmuError(f"{variable.name}: wanted a finite number, got {number:g}")
-        self._block(name).set(given)
-
-    def number(self, name: str) -> float | int:
-        """The value of one scalar variable; of a Boolean 0 or 1. FmuError for a String."""
-        if self.component.variable(name).type == "String":
-            raise FmuError(f"{name}: wanted a number, got a String")
-        return self._block(name).get().tolist()[0]
-
-    def vector(self, name: str) -> np.ndarray:
-        """The components (3,) or (4,) of a vector, a copy."""
-        if name in self.variables:
-            raise FmuError(f"{name}: wanted a vector, got a single number of that name")
-        return self._block(name).get().astype(float)
-
-    def _components(self, name: str) -> list[str]:
-        """The scalar variables that a name means: itself, or its components; of `stiffness` those of the kinds of springs."""
-        if name in self.variables:
-            return [name]
-        return list(components_in(self.variables, name, (*"wxyz", "edge", "face", "body")).values())
-
-    def _named(self, name: str) -> list[str]:
-        if found := self._components(name) if isinstance(name, str) else []:
-            return found
-        hint = self.component.hint(str(name), [*self.variables, *vectors_in(self.variables)])
-        raise UnknownName(f"{name}: the FMU has no such variable{hint}")
-
-    def _block(self, name: str) -> Block:
-        if name not in self._blocks:
-            self._blocks[name] = self.component.block(self._named(name))
-        return self._blocks[name]
-
-    def block(self, names: Iterable[str] | str) -> Block:
-        """Variables that are set or got together, the fastest way: `block.values` is a kept buffer (m,), `block.get()` fills and returns
-        it, `block.set()` hands it over, `block.set_rates(...)` takes derivatives of inputs. A vector's name means all its components."""
-        return self.component.block([each for name in ([names] if isinstance(names, str) else names) for each in self._named(name)])
-
-    def set_rates(self, rates: Mapping[str, Any]) -> None:
-        """Time derivatives of inputs during the next step, by name: instead of being held, they move from the value that is set.
-
-        Of a number its rate [unit / s], or a list of its first to third derivatives [unit / s, unit / s2, unit / s3]; of a vector an array
-        (3,), or (orders, 3). Forces and loads take orders 1 to 3, poses and velocities order 1.
-        """
-        columns: dict[str, np.ndarray] = {}
-        for name, given in rates.items():
-            names = self._named(name)
-            table = np.atleast_1d(np.asarray(given, dtype=float))
-            table = table[:, None] if name in self.variables else np.atleast_2d(table)
-            if table.ndim != 2 or table.shape[1] != len(names):
-                raise FmuError(f"{name}: wanted derivatives of {len(names)} components, got the shape {np.shape(given)}")
-            columns |= dict(zip(names, table.T, strict=True))
-        orders = max((len(column) for column in columns.values()), default=1)
-        block = self.component.block(list(columns))
-        block.set_rates(np.stack([np.pad(column, (0, orders - len(column))) for column in columns.values()], axis=1))
-
     # ---- the body and its parts ----
 
     @property
@@ -322,34 +231,33 @@ class Simulation:
         """Planes, spheres, cylinders and boxes by name: .point .normal .velocity .angular_velocity .friction .reaction .torque .centre
         .contacts, of a box .rotation in the place of .normal; of a free body also .position .orientation .mass .force .reaction_torque,
         and .start_velocity .start_angular_velocity."""
-        paths = {part.name: str(part) for part in parts_of(self.variables, *OBSTACLES)}
-        return Parts("obstacle", list(paths), lambda name: Obstacle(self, paths[name]))
+        return Parts("obstacle", self, Obstacle, of=OBSTACLES)
 
     @cached_property
     def plane(self) -> Parts[Obstacle]:
         """The planes alone."""
-        return Parts("plane", part_names(self.variables, "plane"), lambda name: Obstacle(self, f"plane.{name}"))
+        return Parts("plane", self, Obstacle)
 
     @cached_property
     def pin(self) -> Parts[Pin]:
         """The pins by name: .position .orientation .velocity .angular_velocity .reaction .torque; of a free body also .mass .force
         .reaction_torque"""
-        return Parts("pin", part_names(self.variables, "pin"), lambda name: Pin(self, f"pin.{name}"))
+        return Parts("pin", self, Pin)
 
     @cached_property
     def load(self) -> Vectors:
         """The loads by name: total forces (3,) [N], to be set as a whole."""
-        return Vectors("load", part_names(self.variables, "load"), self)
+        return Vectors("load", self)
 
     @cached_property
     def probe(self) -> Vectors:
         """The probes by name: points (3,) [m] of the object where it is now."""
-        return Vectors("probe", part_names(self.variables, "probe"), self)
+        return Vectors("probe", self)
 
     @cached_property
     def sensor(self) -> Parts[Sensor]:
         """The sensors by name: .force .torque .area .pressure .peak_pressure .taxels"""
-        return Parts("sensor", part_names(self.variables, "sensor"), lambda name: Sensor(self, f"sensor.{name}"))
+        return Parts("sensor", self, Sensor)
 
     @cached_property
     def force(self) -> PointVectors:
@@ -390,16 +298,3 @@ def run_source(scene_or_fmu: Any, who: str) -> Scene | Path:
     from softffd.scene.scene import scene_of  # brings pydantic along, which those who have an FMU do without
 
     return scene_of(scene_or_fmu, who, "a Scene, the path or name of one, or the path of an FMU")
-
-
-def _components_of(name: str, value: Any, count: int) -> list[Any]:
-    """As many values as there are components; words hold them between commas, and one number is the stiffness of all springs."""
-    try:
-        values = value.strip("[]() ").split(",") if isinstance(value, str) else list(value)
-    except TypeError:
-        values = [value]
-    if len(values) == 1 and name == "stiffness":
-        values *= count
-    if len(values) != count:
-        raise FmuError(f"{name}: wanted {count} numbers, got {value!r:.70}")
-    return values

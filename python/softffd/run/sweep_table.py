@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from softffd.files import replacing, table_text, write_text
-from softffd.run.npz import UNREADABLE, damaged, read_arrays, write_arrays
 from softffd.run.result import Columns
+from softffd.run.result_file import UNREADABLE, damaged, read_arrays, write_arrays
 from softffd.run.sweep_plan import Index, Plan
 from softffd.run.tables import package
 

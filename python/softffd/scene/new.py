@@ -10,6 +10,7 @@ import numpy as np
 
 from softffd.embedding.mass import filled_words, point_masses
 from softffd.errors import SoftffdError
+from softffd.files import seen_from
 from softffd.mesh.files import load_mesh, placed
 from softffd.mesh.habits import UNITS, habit_of, likely_unit, words_of
 from softffd.mesh.mesh import Mesh
@@ -81,7 +82,7 @@ def scene_of_mesh(
     if filled := filled_words(mesh, extent):
         said += f"; {filled}"
     keys = {
-        "TITLE": toml_string(f"{file.stem} dropped on the ground"), "FILE": toml_string(_seen_from(folder, file)),
+        "TITLE": toml_string(f"{file.stem} dropped on the ground"), "FILE": toml_string(seen_from(folder, file)),
         "MEASURED": size, "SCALE": f"{metres:g}", "METRES": named, "UP": axis,
     }  # fmt: skip
     return MeshScene(_filled(keys | _physics(placed(mesh, scale=metres, up=axis), DENSITY if density is None else density)), said)
@@ -115,14 +116,6 @@ def _mass(mesh: Mesh, density: float) -> tuple[str, float, str]:
 
 def _filled(keys: dict[str, str]) -> str:
     return re.sub("[A-Z]{2,}", lambda word: keys.get(word[0], word[0]), MESH_TEMPLATE.read_text(encoding="utf-8"))
-
-
-def _seen_from(folder: str | Path, file: Path) -> str:
-    """The file as a scene in the folder names it."""
-    try:
-        return Path(os.path.relpath(file, folder)).as_posix()
-    except ValueError:  # another drive
-        return file.absolute().as_posix()
 
 
 def _short(value: float) -> str:

@@ -1,6 +1,7 @@
 """`softffd view`: the page of a run that was kept."""
 
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from scenes import box
 from softffd import simulate, write_ssp
 from softffd.cli.command import main
 from softffd.run.replay import replay_system
+from softffd.scene.document import SHIPPED
+from softffd.scene.scene import scene_from
 
 pytestmark = pytest.mark.usefixtures("plain_pages")
 
@@ -71,3 +74,22 @@ def test_the_soft_bodies_of_a_system_run_again_with_what_a_host_recorded(opened,
         assert main(["view", *what, "-o", "x.html"]) == 1 and words in capsys.readouterr().err
     Path("bad.ssp").write_text("no")
     assert main(["view", "bad.ssp", "rows.csv"]) == 1 and "cannot be read as a system" in capsys.readouterr().err
+
+
+@pytest.fixture
+def with_mesh(opened) -> Path:
+    """A system of a body with a mesh."""
+    Path("scene").mkdir()
+    shutil.copy(SHIPPED / "block.obj", "scene")
+    lid = {"name": "lid", "point": [0, 0, 9], "normal": [0, 0, -1], "motion": "input"}
+    block = scene_from({"mesh": {"file": "block.obj"}, "lattice": {"points": [2, 2, 2]}, "plane": [lid]}, path="scene/block.toml")
+    other = box(points=[2, 2, 2])
+    return write_ssp("s.ssp", {"block": block, "other": other}, [("other.position[1,1,1].z", "block.plane.lid.point.z")])
+
+
+def test_a_body_of_a_system_is_shown_with_the_mesh_of_its_scene(with_mesh):
+    rows = simulate_ssp(str(with_mesh), stop_time=0.02, step_size=0.005)
+    result = replay_system(with_mesh, rows)["block"]
+    assert result.deformed().shape == result.scene.loaded_mesh.vertices.shape and result.scene.name == "block"
+    os.rename("scene/block.obj", "scene/other.obj")
+    assert "no such file" in replay_system(with_mesh, rows)["block"].sceneless

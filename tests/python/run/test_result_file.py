@@ -227,7 +227,7 @@ def test_arrays_of_other_shapes_are_refused(small, tmp_path):
 
 
 def test_what_would_not_fit_into_the_memory_is_refused_unread(small, tmp_path, monkeypatch):
-    monkeypatch.setattr("softffd.run.npz.memory", lambda: 1e3)
+    monkeypatch.setattr("softffd.run.result_file.memory", lambda: 1e3)
     small.save(tmp_path / "run.npz")
     with pytest.raises(SoftffdError, match=r"run\.npz: its arrays take .* GB; wanted at most 1e-06 GB, this machine's memory"):
         Result.load(tmp_path / "run.npz")

@@ -1,0 +1,71 @@
+"""How results and systems keep a scene: its keys, where its file was, and what its mesh was."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from softffd.errors import SceneError
+from softffd.scene.document import SHIPPED
+
+if TYPE_CHECKING:
+    from softffd.lattice import LatticeBox
+    from softffd.mesh.mesh import Mesh
+    from softffd.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class KeptScene:
+    """What is kept of a scene."""
+
+    path: Any
+    keys: dict[str, Any]
+    mesh: str | None
+    """Fingerprint of the mesh that was read"""
+
+    @classmethod
+    def of(cls, scene: Scene) -> KeptScene:
+        return cls(scene.path, scene.keys_given(), _fingerprint(scene.loaded_mesh) if scene.loaded_mesh else None)
+
+    def found(self, lattice: LatticeBox | None, folder: Path, given: Path | None = None) -> tuple[Scene | None, str]:
+        """The scene, if its mesh is found and the same, and the lattice is that of the run; else None, and why.
+
+        folder: of the file that keeps the scene. given: the file of the mesh, where it is known.
+        """
+        from softffd.scene.scene import scene_from  # brings pydantic along
+
+        keys = dict(self.keys)
+        if (named := keys.get("mesh")) and isinstance(named, dict):
+            file = given or _mesh_file(str(named.get("file", "")), folder)
+            if file is None:
+                why = f"its mesh, {named.get('file')}, is not beside it nor below its folder: load(..., mesh=FILE) takes it from elsewhere"
+                return None, why
+            keys["mesh"] = {**named, "file": str(file.absolute())}
+        try:
+            scene = scene_from(keys, path=str(self.path))
+        except (SceneError, OSError, ValueError) as error:
+            return None, error.problems[0] if isinstance(error, SceneError) else str(error)
+        if lattice and scene.lattice_box.points != lattice.points:
+            return None, f"its scene has a lattice of {scene.lattice_box.points}, the run one of {lattice.points}"
+        if scene.loaded_mesh and _fingerprint(scene.loaded_mesh) != self.mesh:
+            return None, f"{scene.mesh.file if scene.mesh else ''} is another mesh than at the time of the run"
+        return scene, ""
+
+
+def _mesh_file(name: str, folder: Path) -> Path | None:
+    """Where the mesh is looked for: beside the file that names it, else where it was if that is below the file's folder, below the working
+    one, or comes with the package. Of any other place that a file names not even its being there is asked."""
+    beside = folder / (re.split(r"[\\/]", name)[-1] or "-")
+    if beside.is_file():
+        return beside
+    was = Path(os.path.normpath(folder / name))
+    return was if any(was.is_relative_to(place) for place in (folder, Path.cwd(), SHIPPED)) else None
+
+
+def _fingerprint(mesh: Mesh) -> str:
+    """Of vertices and faces."""
+    return hashlib.sha256(mesh.vertices.astype("<f8").tobytes() + mesh.faces.astype("<i8").tobytes()).hexdigest()
