@@ -131,9 +131,8 @@ def _as_fmu(what: Scene | Path, folder: Path) -> Path:
 
 
 def _require_matched(component: Component, match: str) -> None:
-    found = component.by_name.get(match)
-    if not found or found.causality != "output" or found.kind == "String":
-        outputs = [v.name for v in component.by_name.values() if v.causality == "output" and v.kind != "String"]
+    outputs = component.numbers("output")
+    if (found := component.by_name.get(match)) is None or found.name not in outputs:
         got = f"got its {found.causality} of that name" if found else "it has none of this name"
         raise UnknownName(f"match: {match}: wanted an output of the FMU that is a number, {got}{component.hint(match, outputs)}")
 

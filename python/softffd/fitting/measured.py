@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 
-from softffd.errors import FmuError, SoftffdError, UnknownName
+from softffd.errors import SoftffdError, UnknownName
 from softffd.names import structured
-from softffd.run.tables import is_data_frame, read_csv, structured_array
+from softffd.run.tables import is_data_frame, read_csv, require_course, structured_array
 from softffd.spelling import did_you_mean, few, nearest_of
 
 if TYPE_CHECKING:
@@ -42,16 +42,15 @@ class Columns:
 
         kept: names of columns that are something else. FmuError for inputs without a time.
         """
-        names = [
-            name for name in self.values if name not in kept and name in component.by_name and component.by_name[name].causality == "input"
-        ]
+        there = {structured(name) for name in component.numbers("input")}
+        names = [name for name in self.values if name in there and name not in kept]
         if not names:
             return None
         return structured_array({"time": self.column("time"), **{name: self.values[name] for name in names}})
 
     def unused(self, component: Component, used: Iterable[str]) -> list[str]:
         """The columns that nothing was done with, each with the input whose name is nearest."""
-        there = [variable.name for variable in component.by_name.values() if variable.causality == "input"]
+        there = component.numbers("input")
         others = [name for name in self.values if name not in {"time", *used}]
         return [f"{name}{did_you_mean(nearest_of(name, there)) if name not in component.by_name else ''}" for name in others]
 
@@ -73,10 +72,8 @@ def columns_of(data: Data) -> Columns:
     if len({len(column) for column in columns.values()}) > 1:
         lengths = ", ".join(f"{name} {len(column)}" for name, column in columns.items())
         raise SoftffdError(f"data: wanted columns of one length, got {lengths}")
-    found = Columns("data: ", columns)
-    if "time" in columns and len(wrong := np.flatnonzero(np.diff(columns["time"]) < 0)):
-        raise FmuError(f"data: row {wrong[0] + 1}: the times must not decrease")
-    return found
+    require_course(structured_array(columns), "data")
+    return Columns("data: ", columns)
 
 
 def _numbers(name: str, column: Any) -> np.ndarray:
@@ -86,6 +83,4 @@ def _numbers(name: str, column: Any) -> np.ndarray:
         values = np.zeros(())
     if values.ndim != 1 or not len(values):
         raise SoftffdError(f"data: {name}: wanted a column of numbers, got {column!r:.70}")
-    if len(wrong := np.flatnonzero(~np.isfinite(values))):
-        raise FmuError(f"data: row {wrong[0]}, {name}: wanted a finite number, got {values[wrong[0]]}")
     return values

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from softffd.files import table_text, write_text
-from softffd.fitting.curve import Curve
-from softffd.fitting.picture import draw
+from softffd.fitting.curve import Curve, draw
 
 
 @dataclass(frozen=True, eq=False, repr=False)

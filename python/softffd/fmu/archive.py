@@ -39,9 +39,7 @@ def unpack(path: Path, folder: str) -> str | None:
         same = next((entry.filename for entry in archive.infolist() if _is_installed(entry)), None)
         require_no_bomb(archive, path.stat().st_size)
     fmpy.extract(str(path), unzipdir=folder, include=lambda name: name != same and _is_read(name))
-    if not same:
-        return None
-    return str(loaded_library()._name)
+    return str(loaded_library()._name) if same else None
 
 
 def require_no_bomb(archive: ZipFile, packed: int) -> None:
@@ -78,14 +76,12 @@ def of_another_machine(folder: Path, identifier: str) -> str | None:
     return None
 
 
-def library_in_tuple(folder: Path, identifier: str) -> str | None:
+def library_in_tuple(folder: Path, identifier: str, *, three: bool) -> str | None:
     """The library of an unpacked FMU where FMI 3.0 puts it, and FMI 2.0.4 where the machine is not an x86; None where there is none."""
-    return next(map(str, folder.glob(f"binaries/{platforms()[1]}/{identifier}.*")), None)
-
-
-def on_x86() -> bool:
-    """Is this machine one of those that FMI 2.0 has names of its own for?"""
-    return platforms()[1].startswith("x86")
+    own = platforms()[1]
+    if not three and own.startswith("x86"):  # for which FMI 2.0 has names of its own
+        return None
+    return next(map(str, folder.glob(f"binaries/{own}/{identifier}.*")), None)
 
 
 def platforms() -> tuple[str, str]:

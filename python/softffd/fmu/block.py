@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_uint
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -20,19 +20,15 @@ KINDS: dict[str, tuple[Any, Any]] = {
 TRUTHS = {"true": 1, "1": 1, "false": 0, "0": 0}  # what a Boolean may be given as, in words
 
 
-class Access(Protocol):
-    """What hands blocks of variables to an FMU and back: a component."""
-
-    def set(self, block: Block) -> None: ...
-    def get(self, block: Block) -> None: ...
-    def set_rates(self, block: Block, rates: np.ndarray) -> None: ...
+Calls = Mapping[str, Callable[..., None]]
+"""An instance's functions of the standard, by their names"""
 
 
 class Block:
     """Variables of one kind that are set or got together; `values` is the buffer (m,) that the library reads from and writes to: numbers,
     of Booleans 0 or 1. Of Strings it is a copy."""
 
-    def __init__(self, component: Access, variables: Sequence[ScalarVariable]):
+    def __init__(self, calls: Calls, variables: Sequence[ScalarVariable]):
         """variables: all of one kind; FmuError otherwise."""
         self.names = tuple(variable.name for variable in variables)
         self.kind = variables[0].kind if variables else "Real"
@@ -43,7 +39,7 @@ class Block:
         self.references = (c_uint * len(variables))(*(variable.reference for variable in variables))
         self.count = c_size_t(len(variables))
         self.pointer = (c_char_p * len(variables))() if self.kind == "String" else self.values.ctypes.data_as(POINTER(item))
-        self._component = component
+        self._calls = calls
         self._output = next((variable.name for variable in variables if variable.causality == "output"), None)
 
     def __repr__(self) -> str:
@@ -53,7 +49,7 @@ class Block:
     def get(self) -> np.ndarray:
         """Fills `values` from the component and returns it: the kept buffer, which the next call changes."""
         if self.names:
-            self._component.get(self)
+            self._calls[f"fmi2Get{self.kind}"](self.references, self.count, self.pointer)
         if self.kind == "String":
             self.values[:] = [(each or b"").decode("utf-8", "replace") for each in self.pointer]
         return self.values
@@ -70,7 +66,7 @@ class Block:
         if self.kind == "String":
             self.pointer[:] = [str(each).encode() for each in self.values]
         if self.names:
-            self._component.set(self)
+            self._calls[f"fmi2Set{self.kind}"](self.references, self.count, self.pointer)
 
     def _require_whole(self, values: np.ndarray) -> None:
         wanted, least, most = ("0 or 1", 0, 1) if self.kind == "Boolean" else ("an integer", *_RANGE)
@@ -79,19 +75,30 @@ class Block:
                 raise FmuError(f"{name}: wanted {wanted}, got {value:.10g}")
 
     def set_rates(self, rates: Any) -> None:
-        """Time derivatives of these inputs, which hold for the next step only; shapes as in Component.set_rates."""
-        self._component.set_rates(self, np.asarray(rates, dtype=float))
+        """Time derivatives of these m Real inputs; they hold for the next step only.
+
+        rates: (m,) of first order [unit / s], or (n, m) of orders 1 to n [unit / s^order]; zeros of higher orders are not sent.
+        FmuError for an FMU that does not interpolate its inputs, or not to this order.
+        """
+        rates = np.atleast_2d(np.asarray(rates, dtype=float))
+        sent = rates != 0
+        sent[0] = True
+        rows, columns = np.nonzero(sent)
+        values = rates[sent]
+        references = (c_uint * len(values))(*(self.references[int(column)] for column in columns))
+        orders = (c_int * len(values))(*(int(row) + 1 for row in rows))
+        self._calls["fmi2SetRealInputDerivatives"](references, c_size_t(len(values)), orders, values.ctypes.data_as(POINTER(c_double)))
 
 
 class Blocks:
     """Variables of any kinds as one row of numbers: a block of each kind."""
 
-    def __init__(self, component: Access, variables: Sequence[ScalarVariable]):
+    def __init__(self, calls: Calls, variables: Sequence[ScalarVariable]):
         self.names = tuple(variable.name for variable in variables)
         self.values = np.zeros(len(variables))
         kinds = {kind: [n for n, v in enumerate(variables) if v.kind == kind] for kind in dict.fromkeys(v.kind for v in variables)}
-        self._blocks = [(Block(component, [variables[n] for n in places]), places) for places in kinds.values()]
-        self.real = Block(component, variables) if set(kinds) <= {"Real"} else None
+        self._blocks = [(Block(calls, [variables[n] for n in places]), places) for places in kinds.values()]
+        self.real = Block(calls, variables) if set(kinds) <= {"Real"} else None
         """All of them in one block, where all are Reals"""
 
     def set(self, values: np.ndarray) -> None:

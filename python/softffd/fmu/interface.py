@@ -75,10 +75,6 @@ class Interface:
     serializes: bool
     """Whether states can be turned into bytes and back"""
 
-    def of(self, causality: str, kind: str = "Real") -> list[ScalarVariable]:
-        """The variables of a causality and a kind."""
-        return [v for v in self.variables.values() if v.causality == causality and v.kind == kind]
-
 
 def scene_interface(scene: Scene, variables: Iterable[Variable], guid: str) -> Interface:
     """The interface of a scene's FMU, without a look at its XML."""

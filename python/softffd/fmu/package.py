@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import uuid
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from softffd.embedding import patches
 from softffd.embedding.mass import Masses, point_masses
 from softffd.embedding.mass_solid import node_masses
 from softffd.embedding.samples import Samples, surface_samples
@@ -22,7 +24,6 @@ from softffd.fmu.model_description import completed, model_description, model_de
 from softffd.fmu.notes import NAME as NOTES
 from softffd.fmu.notes import body_notes
 from softffd.fmu.records import NAME, scene_records, scene_text
-from softffd.fmu.sensed import scene_patches
 from softffd.fmu.terminals import PLACE as TERMINALS
 from softffd.fmu.terminals import terminals
 from softffd.fmu.variables import Variable, variables
@@ -95,6 +96,31 @@ def scene_samples(scene: Scene) -> Samples | None:
     return _surface_samples(scene.loaded_mesh, scene.lattice_box, scene.contact.penetration)
 
 
+def scene_patches(scene: Scene, samples: Samples | None) -> patches.Patches | None:
+    """The patches of the scene's sensors, and the areas around all places that obstacles may touch; None without sensors.
+
+    samples: by which the scene's obstacles are met; None: by the control points."""
+    if not scene.sensor:
+        return None
+    if samples is None:
+        places, areas = (find(scene.lattice_box, solid=scene.is_solid) for find in (patches.lattice_places, patches.lattice_areas))
+        around = [patches.points_on(sensor.where, areas, places) for sensor in scene.sensor]
+    else:
+        mesh, places = scene.loaded_mesh, samples.places
+        assert mesh is not None
+        of_vertex = patches.nearest(mesh.vertices, places)
+        areas = patches.areas_around(mesh, of_vertex, len(places))
+        around = [
+            np.bincount(of_vertex, patches.vertices_on(sensor.where, mesh), len(places)).astype(np.float64) for sensor in scene.sensor
+        ]
+    found = []
+    for sensor, weights in zip(scene.sensor, around, strict=True):
+        mine = weights.nonzero()[0]
+        shares = patches.taxel_shares(mine, places, areas, sensor.taxels) if sensor.taxels else []
+        found.append(patches.Patch(sensor.name, mine, weights[mine], sensor.taxels, shares))
+    return patches.Patches(areas, found)
+
+
 def _of_cells(scene: Scene, total: float) -> np.ndarray:
     """The points' masses (n,) [kg] where regions give cells a density of their own; the other cells share `total` as if all did."""
     counts = scene.lattice.points
@@ -129,7 +155,7 @@ def package_fmu(
         texts[TERMINALS] = xml_text(document).encode()
     icon = "model.png" if fmi == 2 else "terminalsAndIcons/icon.png"
     files = {
-        **_files_below(data_folder() / "documentation", "documentation"),
+        **{file.relative_to(data_folder()).as_posix(): file for file in (data_folder() / "documentation").rglob("*") if file.is_file()},
         icon: data_folder() / "model.png",
         **{f"binaries/{folder}/{found[name].name}": found[name] for folder, name in binary_folders(found, fmi).items()},
     }
@@ -152,7 +178,7 @@ def scene_texts(scene: Scene, fmi: int = 2) -> tuple[dict[str, bytes], list[Vari
     listed = variables(scene, masses.mass)
     description = (model_description if fmi == 2 else model_description3)(scene, listed)
     records = scene_records(scene, masses, samples, scene_patches(scene, samples))
-    guid = _guid(description, records)
+    guid = f"{{{uuid.UUID(hashlib.sha256((description + records).encode()).hexdigest()[:32])}}}"
     texts = {"modelDescription.xml": completed(description, guid).encode(), f"resources/{NAME}": scene_text(records, guid).encode()}
     if notes := body_notes(scene, masses, samples):
         texts[f"resources/{NOTES}"] = "".join(f"{note}\n" for note in notes).encode()
@@ -167,12 +193,3 @@ def fmu_path(path: str | Path) -> Path:
     if Path(path).suffix.lower() != ".fmu":
         raise SoftffdError(f"{name}: wanted a file name ending in .fmu{did_you_mean(f'{path}.fmu' if str(path) else None)}")
     return Path(path)
-
-
-def _guid(description: str, records: str) -> str:
-    digest = hashlib.sha256((description + records).encode()).hexdigest()
-    return "{" + "-".join([digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32]]) + "}"
-
-
-def _files_below(folder: Path, name: str) -> dict[str, Path]:
-    return {f"{name}/{file.relative_to(folder).as_posix()}": file for file in folder.rglob("*") if file.is_file()}

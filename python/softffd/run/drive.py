@@ -105,7 +105,7 @@ class Drive:
         """times: (T,) [s], each a `step` [s] after the one before, the last perhaps less. single: not many steps at once."""
         component = self._component = simulation.component
         self._simulation, self.times, self._steps = simulation, times, np.array(step_lengths(times, step))
-        self.inputs, self.input_rows = Blocks(component, inputs), np.zeros((len(times), len(inputs)))
+        self.inputs, self.input_rows = Blocks(component.calls, inputs), np.zeros((len(times), len(inputs)))
         self.outputs: dict[str, tuple[Block, np.ndarray]] = {}
         """Block and rows of the outputs of each kind"""
         for kind in NUMBERS:

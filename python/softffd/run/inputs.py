@@ -314,5 +314,5 @@ def _checked(table: np.ndarray) -> np.ndarray:
     for name in names:
         if table[name].shape != table.shape or table[name].dtype.kind not in "fiu":
             raise FmuError(f"inputs: {name}: wanted a column of numbers, got {table.dtype[name]}")
-    require_course(table)
+    require_course(table, "inputs")
     return table

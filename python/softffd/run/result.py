@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from softffd.fmu.component import Message
+    from softffd.fmu.instance import Message
     from softffd.mesh.mesh import Mesh
     from softffd.scene.scene import Scene
 

@@ -26,7 +26,7 @@ from softffd import __version__
 from softffd.embedding.deform import BASES
 from softffd.errors import SoftffdError
 from softffd.files import replacing, require_writable, table_text
-from softffd.fmu.component import Message
+from softffd.fmu.instance import Message
 from softffd.lattice import LatticeBox
 from softffd.obstacles import Obstacles
 from softffd.run.drive import memory

@@ -13,7 +13,8 @@ import numpy as np
 
 from softffd.errors import FmuError, Interrupted, UnknownName
 from softffd.fmu.block import one_number
-from softffd.fmu.component import Component, Message
+from softffd.fmu.component import Component
+from softffd.fmu.instance import Message
 from softffd.lattice import LatticeBox
 from softffd.names import belonging, structured
 from softffd.run.drive import NUMBERS, Drive, communication_points, positive
@@ -230,7 +231,7 @@ def _recorded_outputs(component: Component, wanted: Iterable[str] | str | None) 
     A name means the output that has it and all that belong to it: plane.press.reaction.z, plane.press.reaction, plane.press, energy,
     position[0,0,1], position. FmuError, with the nearest name, where no output is meant.
     """
-    by_name = belonging(v.name for v in component.by_name.values() if v.causality == "output" and v.kind != "String")
+    by_name = belonging(component.numbers("output"))
     names: set[str] = set()
     for name in by_name if wanted is None else [wanted] if isinstance(wanted, str) else wanted:
         if (key := structured(str(name))) not in by_name:

@@ -13,7 +13,8 @@ import numpy as np
 
 from softffd.errors import FmuError
 from softffd.fmu.block import one_number
-from softffd.fmu.component import Component, Message
+from softffd.fmu.component import Component
+from softffd.fmu.instance import Message
 from softffd.names import OBSTACLES, part_names
 from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Sensor, Vectors
 from softffd.run.variables import Variables

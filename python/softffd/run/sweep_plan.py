@@ -156,7 +156,7 @@ def _listed(name: str, values: Iterable[Any]) -> list[Any]:
 
 def _readings(component: Component, outputs: Iterable[str] | str | None) -> tuple[Reading, ...]:
     """Those asked for; by default all outputs but those at control points."""
-    every = [v.name for v in component.by_name.values() if v.causality == "output" and v.kind != "String"]
+    every = component.numbers("output")
     if outputs is None:
         outputs = [name for name in every if not at_point(name)]
     asked = [outputs] if isinstance(outputs, str) else list(outputs)

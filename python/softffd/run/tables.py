@@ -35,7 +35,7 @@ def is_data_frame(source: object) -> bool:
 
 def structured_array(columns: Mapping[str, np.ndarray]) -> np.ndarray:
     """Columns (rows,) by name as a structured array (rows,)."""
-    table = np.zeros(len(columns["time"]), dtype=[(name, values.dtype) for name, values in columns.items()])
+    table = np.zeros(len(next(iter(columns.values()))), dtype=[(name, values.dtype) for name, values in columns.items()])
     for name, values in columns.items():
         table[name] = values
     return table
@@ -71,9 +71,9 @@ def read_csv(path: Path, *, timed: bool = True) -> np.ndarray:
     return table
 
 
-def require_course(table: np.ndarray, rows: list[str] | None = None) -> None:
-    """FmuError where a column of a structured array has a number that is not finite, or the times decrease. rows: their names."""
-    called = (lambda row: f"inputs: row {row}") if rows is None else rows.__getitem__
+def require_course(table: np.ndarray, what: str | list[str]) -> None:
+    """FmuError where a column of a structured array has a number that is not finite, or the times decrease. what: it is, or each row."""
+    called = (lambda row: f"{what}: row {row}") if isinstance(what, str) else what.__getitem__
     names = table.dtype.names or ()
     for name in names:
         if len(wrong := np.flatnonzero(~np.isfinite(table[name]))):

@@ -15,7 +15,7 @@ from softffd.embedding.deform import Embedding
 from softffd.embedding.nodes import node_positions
 from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import Block
-from softffd.fmu.component import DISCARD
+from softffd.fmu.instance import DISCARD
 from softffd.fmu.package import scene_samples
 from softffd.lattice import all_points, to_flat, to_grid
 from softffd.names import variable_names

@@ -49,7 +49,7 @@ def test_what_the_scene_names_are_inputs_and_the_rest_are_parameters(section, gi
 
 def test_a_fixed_part_has_no_inputs(tmp_path):
     interface = write_folder(box(plane=[{"name": "lid"}], pin=[{"name": "lid", "points": "z-"}]), tmp_path)
-    assert not interface.of("input") and not names_of("pin", "parameter", interface)
+    assert not names_of("pin", "input", interface) and not names_of("pin", "parameter", interface)
 
 
 def test_starts_references_and_names_are_those_of_the_library():

@@ -6,8 +6,7 @@ import pytest
 from scenes import box
 from softffd import simulate
 from softffd.lattice import LatticeBox
-from softffd.run.stress import green_strain, lattice_gradients, lattice_stress
-from softffd.run.stress_solid import solid_stress
+from softffd.run.stress import green_strain, lattice_gradients, lattice_stress, solid_stress
 from softffd.scene.scene import scene_from
 
 COUNTS, SIZE = (7, 4, 10), (0.3, 0.22, 0.36)

@@ -57,7 +57,7 @@ def run_explicitly(folder, body_path, step, steps, *, body_start=None, plate_sta
                 target.set(into)
             for part in (plate, body):
                 part.do_step(n * step, step)
-            for part, block in ((plate, momentum), (body, reaction), (body, observed)):
-                part.get(block)
+            for block in (momentum, reaction, observed):
+                block.get()
             run.rows.append(np.concatenate([momentum.values, reaction.values, observed.values]))
     return run

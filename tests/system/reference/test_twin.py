@@ -140,7 +140,7 @@ def test_values_changed_between_steps_act_alike(tmp_path):
             for n in range(45):
                 component.set_start_values(changes.get(n, {}))
                 component.do_step(3.0 + n * 0.01, 0.01)
-                component.get(read)
+                read.get()
                 rows.append(read.values.copy())
             course.append(np.array(rows))
     assert course[1] == pytest.approx(course[0], abs=1e-8)

@@ -1,0 +1,254 @@
+"""An instance of an FMU's library: its functions with kept buffers, its states, its messages, its end. fmpy loads it."""
+
+from __future__ import annotations
+
+import hashlib
+import weakref
+from collections.abc import Callable
+from contextlib import chdir
+from ctypes import byref, c_char, c_double, c_int, c_size_t, c_void_p, cast, create_string_buffer
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
+
+from softffd.errors import FmuError
+from softffd.fmu.archive import of_another_machine
+from softffd.fmu.interface import Interface
+
+if TYPE_CHECKING:
+    from fmpy.fmi2 import fmi2CallbackFunctions
+
+WARNING, DISCARD, FATAL = 1, 2, 4
+RATES = "fmi2SetRealInputDerivatives"
+CALLS = (
+    *("fmi2SetupExperiment", "fmi2EnterInitializationMode", "fmi2ExitInitializationMode", "fmi2Reset", "fmi2DoStep"),
+    *("fmi2SetReal", "fmi2GetReal", "fmi2SetInteger", "fmi2GetInteger", RATES),
+    *("fmi2SetBoolean", "fmi2GetBoolean", "fmi2SetString", "fmi2GetString"),
+    *("fmi2GetFMUstate", "fmi2SetFMUstate", "fmi2FreeFMUstate"),
+    *("fmi2SerializedFMUstateSize", "fmi2SerializeFMUstate", "fmi2DeSerializeFMUstate"),
+)
+
+
+class Message(NamedTuple):
+    """What a component said; its text is its str."""
+
+    status: int
+    """fmi2Status: 0 ok, 1 warning, 2 discard, 3 error, 4 fatal"""
+    category: str
+    """Log category: "solver", "logStatusWarning", "logStatusError\""""
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+class Instance:
+    """One instance; every failing call raises FmuError with its own message. One that nobody closes is freed with the last reference."""
+
+    def __init__(self) -> None:
+        self.messages: list[Message] = []
+        """What it has said since it was opened; may be cleared"""
+        self.listener: Callable[[Message], object] | None = None
+        """Is called with every message"""
+        self.calls = dict.fromkeys(CALLS, _refused("there is no instance to call"))
+        """The functions of the standard, bound to the instance; one that the FMU does not have answers with FmuError"""
+        self._states: set[int] = set()
+        self._slave: Any = None
+
+    def _instantiate(self, interface: Interface, folder: str, library: str | None, file: str) -> None:
+        """folder: of the unpacked FMU. library: its path, where that is not where FMI 2.0 says. file: what messages call the FMU."""
+        from fmpy.fmi2 import FMU2Slave  # takes a sixth of a second, which those who have a scene and run nothing do without
+
+        self._callbacks = self._make_callbacks()
+        try:
+            with chdir(Path.cwd()):  # which fmpy leaves, and returns to where it could load the library only
+                slave = FMU2Slave(
+                    guid=interface.guid, unzipDirectory=folder, modelIdentifier=interface.identifier, instanceName=interface.name,
+                    libraryPath=library,
+                )  # fmt: skip
+        except Exception as error:
+            why = of_another_machine(Path(folder), interface.identifier) or error
+            raise FmuError(f"{file}: cannot be opened as an FMU: {why}") from error
+        try:
+            slave.instantiate(callbacks=self._callbacks, loggingOn=True)
+        except Exception as error:
+            slave.freeLibrary()
+            raise FmuError(f"{file}: {self._last_message() or error}") from error
+        self._slave, self._library = slave, slave.dll
+        self._end = weakref.finalize(self, _freed, slave, self._states, self._callbacks)
+        self._end.atexit = False  # the end of the process takes all
+        instance = c_void_p(slave.component)
+        self.calls.update({name: _bound(getattr(slave.dll, name), instance, self.check) for name in CALLS})
+        self.calls.update({name: _refused(f"{interface.name}: this FMU {why}") for name, why in _missing(interface).items()})
+
+    def _make_callbacks(self) -> fmi2CallbackFunctions:
+        from fmpy import calloc, fmi2, free
+
+        callbacks = fmi2.fmi2CallbackFunctions()
+        me = weakref.ref(self)  # the library's last words may come when there is nobody to hear them
+
+        def note(_environment: Any, _instance: Any, status: int, category: bytes | None, text: bytes) -> None:
+            if component := me():
+                component._note(status, category, text)
+
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(note)
+        callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
+        callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
+        return callbacks
+
+    def _note(self, status: int, category: bytes | None, text: bytes) -> None:
+        said = text.decode("utf-8", "replace").replace("%%", "%").replace("##", "#")
+        message = Message(status, (category or b"").decode("utf-8", "replace"), said)
+        self.messages.append(message)
+        if self.listener:
+            self.listener(message)
+
+    def _last_message(self) -> str:
+        return self.messages[-1].text if self.messages else ""
+
+    @property
+    def instance(self) -> int:
+        """The fmi2Component."""
+        return int(self._slave.component)
+
+    def library_hash(self) -> str:
+        """SHA-256 of the component's library."""
+        return hashlib.sha256(Path(self._library._name).read_bytes()).hexdigest()
+
+    def address(self, call: str) -> int | None:
+        """Of a function of the component's library."""
+        return cast(getattr(self._library, call), c_void_p).value
+
+    def check(self, status: int) -> None:
+        """FmuError with the component's words for the fmi2Status of a call that discarded or failed."""
+        if status == FATAL:
+            self._abandon()
+        if status >= DISCARD:
+            word = "discarded the step" if status == DISCARD else "reported an error"
+            raise FmuError(f"the component {word}: {self._last_message() or 'no message'}")
+
+    def _abandon(self) -> None:
+        """After fmi2Fatal no call is allowed, not even to free the instance (FMI 2.0.4, section 2.1.3): pythonfmu's would free twice."""
+        self._end.detach()
+        _ABANDONED.append((self._slave, self._callbacks))
+        self._slave = None
+        self._states.clear()
+        self._answer_with("the component has failed for good in an earlier call: open it again")
+
+    def set_up(self, *, start_time: float = 0.0, stop_time: float | None = None, tolerance: float | None = None) -> None:
+        """fmi2SetupExperiment and fmi2EnterInitializationMode. tolerance: relative to the box's largest side."""
+        tolerance_defined, stop_time_defined = c_int(tolerance is not None), c_int(stop_time is not None)
+        self.calls["fmi2SetupExperiment"](
+            tolerance_defined, c_double(tolerance or 0.0), c_double(start_time), stop_time_defined, c_double(stop_time or 0.0)
+        )
+        self.calls["fmi2EnterInitializationMode"]()
+
+    def exit_initialization(self) -> None:
+        """fmi2ExitInitializationMode."""
+        self.calls["fmi2ExitInitializationMode"]()
+
+    def do_step(self, time: float, step: float) -> None:
+        """One communication step [s]."""
+        self.calls["fmi2DoStep"](c_double(time), c_double(step), c_int(1))
+
+    def reset(self) -> None:
+        """fmi2Reset: as right after opening."""
+        self.calls["fmi2Reset"]()
+
+    def warnings(self) -> list[str]:
+        """What the component warned of so far."""
+        return [message.text for message in self.messages if message.status >= WARNING]
+
+    # ---- states ----
+
+    def get_state(self) -> int:
+        """A handle of the FMU's state of this moment; `free_state` or closing the component frees it."""
+        state = c_void_p()
+        self.calls["fmi2GetFMUstate"](byref(state))
+        return self._kept(state)
+
+    def _kept(self, state: c_void_p) -> int:
+        assert state.value is not None
+        self._states.add(state.value)
+        return state.value
+
+    def set_state(self, handle: int) -> None:
+        """Back to the moment of a state of this component."""
+        if handle not in self._states:
+            raise FmuError("the state was freed, or belongs to another component")
+        self.calls["fmi2SetFMUstate"](c_void_p(handle))
+
+    def free_state(self, handle: int) -> None:
+        """Frees a state; one that is freed already is passed over."""
+        if handle in self._states:
+            self._states.remove(handle)
+            self.calls["fmi2FreeFMUstate"](byref(c_void_p(handle)))
+
+    def state_bytes(self, handle: int) -> bytes:
+        """A state as bytes that any component of the same scene takes, in another process too."""
+        if handle not in self._states:
+            raise FmuError("the state was freed, or belongs to another component")
+        size = c_size_t()
+        self.calls["fmi2SerializedFMUstateSize"](c_void_p(handle), byref(size))
+        data = (c_char * size.value)()
+        self.calls["fmi2SerializeFMUstate"](c_void_p(handle), data, size)
+        return data.raw
+
+    def state_from(self, data: bytes) -> int:
+        """The handle of a state from its bytes; FmuError for bytes that are damaged or of another scene."""
+        state = c_void_p()
+        buffer = create_string_buffer(data, len(data))
+        self.calls["fmi2DeSerializeFMUstate"](buffer, c_size_t(len(data)), byref(state))
+        return self._kept(state)
+
+    # ---- end ----
+
+    def close(self) -> None:
+        """Frees the states, the instance and the unpacked files. A closed component answers every call with FmuError."""
+        if self._slave is not None:
+            for handle in list(self._states):
+                self.free_state(handle)
+            self._end()
+            self._slave = None
+            self._answer_with("the component is closed")
+
+    def _answer_with(self, words: str) -> None:
+        self.calls.update(dict.fromkeys(CALLS, _refused(words)))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_exception: object) -> None:
+        self.close()
+
+
+def _freed(slave: Any, states: set[int], _callbacks: Any) -> None:
+    """Frees states and instance. _callbacks: are kept for the library until then."""
+    while states:
+        slave.dll.fmi2FreeFMUstate(c_void_p(slave.component), byref(c_void_p(states.pop())))
+    slave.freeInstance()
+
+
+def _bound(function: Callable[..., int], instance: c_void_p, check: Callable[[int], None]) -> Callable[..., None]:
+    return lambda *arguments: check(function(instance, *arguments))
+
+
+def _refused(words: str) -> Callable[..., None]:
+    """A call that is answered with FmuError."""
+
+    def refuse(*_arguments: object) -> None:
+        raise FmuError(words)
+
+    return refuse
+
+
+def _missing(interface: Interface) -> dict[str, str]:
+    """The functions that an FMU does not have by its description, and what to say of them."""
+    return {
+        **({} if interface.interpolates else {RATES: "does not interpolate its inputs; hold them over each step instead"}),
+        **({} if interface.saves else {"fmi2GetFMUstate": "cannot save and restore its state"}),
+        **({} if interface.serializes else {CALLS[-3]: "cannot turn its states into bytes", CALLS[-1]: "cannot make states from bytes"}),
+    }
+
+
+_ABANDONED: list[tuple[Any, ...]] = []
+"""Instances after fmi2Fatal, with the callbacks that their libraries may still call"""
