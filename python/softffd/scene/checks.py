@@ -6,17 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from softffd.lattice import point_at
+from softffd.embedding.patches import FACES, group_names, lattice_areas, lattice_places, points_on, vertices_on
+from softffd.lattice import LatticeBox, point_at
 from softffd.names import LARGEST, Part, flat_form, mistaken, structured
 from softffd.scene.cells import MOST, cells_of
 from softffd.scene.checks_free import free_check
-from softffd.scene.checks_material import material_check
-from softffd.scene.checks_sensor import sensor_check
-from softffd.scene.checks_solid import solid_check
+from softffd.scene.checks_material import material_check, solid_check
 from softffd.scene.draft import MEETING, Draft
-from softffd.scene.faults import Fault, KeyPath, either, path_text, toml_text
+from softffd.scene.faults import Fault, KeyPath, either, path_text, refused, toml_text
 from softffd.scene.keys import OBSTACLES, SOLIDS
 from softffd.scene.selection import Selection, flat_indices
+from softffd.scene.sensor import Sensor
+from softffd.spelling import did_you_mean, nearest_of
 
 ROUNDING = 1e-9
 """By how much of its edge a point may be outside the box"""
@@ -26,7 +27,7 @@ def cross_check(draft: Draft) -> list[Fault]:
     """The problems between the sound keys of a draft. A check of a single key need not ask whether that is sound; one of others does."""
     checks = (
         _names, _idle_inputs, _counts, _selections, _mass, _inertia, _margin, _box, _control_points, _probes, material_check, solid_check,
-        _contact, sensor_check, free_check,
+        _contact, _sensors, free_check,
     )  # fmt: skip
     with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
         found = [fault for check in checks for fault in check(draft)]
@@ -42,11 +43,10 @@ def _names(draft: Draft) -> Iterator[Fault]:
             if not draft.sound(*path):
                 continue
             if (owner := owners.setdefault(item.name, path)) != path:
-                yield Fault(path, f"wanted a unique name, got {toml_text(item.name)}, already the name of {path_text(owner[:2])}")
+                yield refused(path, "a unique name", item.name, f", already the name of {path_text(owner[:2])}")
             if draft.keys.fmu.names == "flat" and (lost := mistaken(Part(section, item.name))):
-                flat = flat_form(lost)
-                what = f"its {lost} would be {flat}, which is {structured(flat)}"
-                yield Fault(path, f'wanted another name beside fmu.names = "flat", got {toml_text(item.name)}: {what}')
+                what = f": its {lost} would be {(flat := flat_form(lost))}, which is {structured(flat)}"
+                yield refused(path, 'another name beside fmu.names = "flat"', item.name, what)
 
 
 def _idle_inputs(draft: Draft) -> Iterator[Fault]:
@@ -54,8 +54,8 @@ def _idle_inputs(draft: Draft) -> Iterator[Fault]:
         for position, item in enumerate(getattr(draft.keys, section)):
             default = type(item).model_fields["inputs"].default
             if item.motion != "input" and item.inputs != default and draft.sound(section, position, "motion"):
-                text = f'wanted none with motion = "{item.motion}", got {toml_text(list(item.inputs))}; they need motion = "input"'
-                yield Fault((section, position, "inputs"), text)
+                wanted, more = f'none with motion = "{item.motion}"', '; they need motion = "input"'
+                yield refused((section, position, "inputs"), wanted, item.inputs, more)
 
 
 def _counts(draft: Draft) -> Iterator[Fault]:
@@ -70,8 +70,8 @@ def _counts(draft: Draft) -> Iterator[Fault]:
     elif lattice.spacing is not None and draft.box:
         most = MOST // draft.multiple * draft.multiple
         if max(cells_of(None, lattice.spacing, draft.box[1], draft.multiple)) > most:
-            wanted = f"wanted >= {max(draft.box[1]) / most:.3g} m, because a side has at most {most} cells"
-            yield Fault(("lattice", "spacing"), f"{wanted}, got {lattice.spacing:g}")
+            wanted = f">= {max(draft.box[1]) / most:.3g} m, because a side has at most {most} cells"
+            yield refused(("lattice", "spacing"), wanted, lattice.spacing)
 
 
 def _selections(draft: Draft) -> Iterator[Fault]:
@@ -86,7 +86,7 @@ def _selections(draft: Draft) -> Iterator[Fault]:
             yield Fault(path, str(error))
             continue
         if len(chosen) == 0 and path[0] in ("pin", "load"):
-            yield Fault(path, f"wanted at least one control point, got {toml_text(selection)}")
+            yield refused(path, "at least one control point", selection)
         if path[0] == "pin" and draft.sound(*path):
             pinned[path] = chosen
     taken = np.concatenate([*pinned.values(), np.empty(0, np.int64)])
@@ -100,9 +100,8 @@ def _selections(draft: Draft) -> Iterator[Fault]:
 
 def _all_selections(draft: Draft) -> Iterator[tuple[KeyPath, Selection]]:
     keys = draft.keys
-    yield ("inputs", "forces"), keys.inputs.forces
-    yield ("outputs", "positions"), keys.outputs.positions
-    yield ("outputs", "velocities"), keys.outputs.velocities
+    for section, key in (("inputs", "forces"), ("outputs", "positions"), ("outputs", "velocities")):
+        yield (section, key), getattr(getattr(keys, section), key)
     for section in ("region", "pin", "load"):
         for position, item in enumerate(getattr(keys, section)):
             yield (section, position, "points"), item.points
@@ -115,8 +114,7 @@ def _mass(draft: Draft) -> Iterator[Fault]:
     if mass.distribution not in ("uniform", "box"):
         yield from _needs_mesh(draft, "distribution", closed=mass.distribution == "volume", instead='take "surface"')
     if mass.distribution == "box" and mass.uniform_share > 0 and draft.keys.material.model != "solid":
-        text = f'wanted 0 with distribution = "box", which leaves no point without mass, got {mass.uniform_share:g}'
-        yield Fault(("mass", "uniform_share"), text)
+        yield refused(("mass", "uniform_share"), '0 with distribution = "box", which leaves no point without mass', mass.uniform_share)
     if mass.density is not None and draft.keys.mesh is not None:
         section = "mass" if "density" in mass.model_fields_set else "material"
         yield from _needs_mesh(draft, "density", closed=True, instead='give "total"', section=section)
@@ -141,15 +139,14 @@ def _inertia(draft: Draft) -> Iterator[Fault]:
     for number, region in enumerate(draft.keys.region):
         for name in ("mass", "density"):
             if (given := getattr(region, name)) is not None:
-                text = f'wanted none beside mass.inertia = "matched", which chooses the masses, got {given:g}'
-                yield Fault(("region", number, name), text)
+                yield refused(("region", number, name), 'none beside mass.inertia = "matched", which chooses the masses', given)
 
 
 def _margin(draft: Draft) -> Iterator[Fault]:
     margin, mesh = draft.keys.lattice.margin, draft.keys.mesh
     if margin > 0 and draft.sound("mesh") and (mesh is None or draft.box_is_given):
         idle = "there is no [mesh] to enlarge" if mesh is None else "origin and size are both given"
-        yield Fault(("lattice", "margin"), f"wanted 0, because {idle}, got {margin:g}")
+        yield refused(("lattice", "margin"), f"0, because {idle}", margin)
 
 
 def _box(draft: Draft) -> Iterator[Fault]:
@@ -173,8 +170,7 @@ def _control_points(draft: Draft) -> Iterator[Fault]:
 def _probes(draft: Draft) -> Iterator[Fault]:
     for position, probe in enumerate(draft.keys.probe):
         if _outside(draft, np.array([probe.at, probe.at])):
-            yield Fault(("probe", position, "at"), f"wanted a position in the box {_box_span(draft)}, got {toml_text(probe.at)}")
-
+            yield refused(("probe", position, "at"), f"a position in the box {_box_span(draft)}", probe.at)
         if probe.maximum and not any(getattr(probe, word) for word in LARGEST):
             yield Fault(("probe", position, "maximum"), f"wanted one of {', '.join(LARGEST)} = true beside it, got none")
 
@@ -210,11 +206,48 @@ def _contact(draft: Draft) -> Iterator[Fault]:
                 text = f'"lattice" supports only planes, but the scene has a [[{section}]]; take "surface", which needs a [mesh]'
                 yield Fault(("contact", "of"), text)
         if "penetration" in contact.model_fields_set:
-            text = f'wanted none with of = "lattice", got {contact.penetration:g}; it needs of = "surface"'
-            yield Fault(("contact", "penetration"), text)
+            yield refused(("contact", "penetration"), 'none with of = "lattice"', contact.penetration, '; it needs of = "surface"')
         return
     if keys.mesh is None and draft.sound("mesh"):
         yield Fault(("contact", "of"), '"surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead')
     if method not in MEETING and keys.obstacles:
-        text = f'wanted {either(MEETING)} with contact.of = "surface", got {toml_text(method)}'
-        yield Fault(("solver", "method"), text)
+        yield refused(("solver", "method"), f'{either(MEETING)} with contact.of = "surface"', method)
+
+
+def _sensors(draft: Draft) -> Iterator[Fault]:
+    """A patch that is there, and something that may touch it."""
+    keys = draft.keys
+    for position, sensor in enumerate(keys.sensor):
+        if not keys.obstacles and draft.sound("plane"):
+            yield Fault(("sensor", position), "wanted an obstacle beside it, such as a [[plane]], got none: nothing can touch it")
+        elif all(draft.sound(*path) for path in (("sensor", position, "on"), ("contact", "of"), ("mesh",))):
+            fault = _of_surface(draft, sensor) if keys.contact.of == "surface" else _of_lattice(draft, sensor)
+            yield from [Fault(("sensor", position, "on"), fault)] if fault else []
+
+
+def _of_surface(draft: Draft, sensor: Sensor) -> str | None:
+    if draft.mesh is None:
+        return None
+    names = group_names(draft.mesh)
+    if isinstance(sensor.on, str) and sensor.on not in FACES and sensor.on not in names:
+        near = did_you_mean(nearest_of(sensor.on, [*names, *FACES]))
+        there = f"; the mesh has {', '.join(names)}" if names and not near else "" if names else "; the mesh has no groups"
+        return f'wanted a face such as "z-", a group of the mesh or {{ box = }}, got {toml_text(sensor.on)}{near or there}'
+    if not vertices_on(sensor.where, draft.mesh).any():
+        return "wanted a part of the surface, got one on which the mesh has no vertex"
+    return None
+
+
+def _of_lattice(draft: Draft, sensor: Sensor) -> str | None:
+    """Of the control points, or of the nodes of a solid."""
+    if isinstance(sensor.on, str):
+        near = did_you_mean(nearest_of(sensor.on, FACES))
+        text = f'a face such as "z-" or {{ box = }} with contact.of = "lattice", got {toml_text(sensor.on)}{near}'
+        return None if sensor.on in FACES else f"wanted {text}"
+    if draft.counts is None or draft.box is None:
+        return None
+    solid = draft.keys.material.model == "solid"
+    box = LatticeBox(draft.counts, *draft.box, draft.keys.lattice.basis)
+    if points_on(sensor.where, lattice_areas(box, solid=solid), lattice_places(box, solid=solid)).any():
+        return None
+    return f"wanted a box with a {'node' if solid else 'control point'} of the surface in it, got {toml_text(sensor.on.box)}"

@@ -6,7 +6,7 @@ import numpy as np
 
 from softffd.lattice import point_at
 from softffd.scene.draft import Draft
-from softffd.scene.faults import Fault, KeyPath, either, toml_text
+from softffd.scene.faults import Fault, KeyPath, either, refused, toml_text
 from softffd.scene.keys import SOLIDS
 from softffd.scene.rigid import Pin, Solid
 from softffd.scene.selection import flat_indices
@@ -15,7 +15,7 @@ METHODS = ("auto", "leapfrog", "sdirk2")
 """Those that push free bodies back"""
 KEYS = ("mass", "density", "inertia", "guide")
 """Of free bodies alone"""
-FREE = 'motion = "free"'
+FREE, NO_TURNING = 'motion = "free"', "none beside guide, along which the body does not turn"
 ROUNDING = 1e-9
 """By which fraction an inertia may exceed the sum of the others, and a velocity be off its guide"""
 
@@ -39,15 +39,15 @@ def free_check(draft: Draft) -> Iterator[Fault]:
                 yield from _idle(path, item)
     method = draft.keys.solver.method
     if free and method not in METHODS:
-        yield Fault(("solver", "method"), f"wanted {either(METHODS)} beside a body with {FREE}, got {toml_text(method)}")
+        yield refused(("solver", "method"), f"{either(METHODS)} beside a body with {FREE}", method)
 
 
 def _bonded(draft: Draft, path: KeyPath, pin: Pin) -> Iterator[Fault]:
     """The points of a free pin tell how its part turns, and meet obstacles by the surface that they carry."""
     keys = draft.keys
     if keys.obstacles and (keys.mesh is None or keys.contact.of == "lattice") and draft.sound("mesh") and draft.sound("contact", "of"):
-        yield Fault((*path, "motion"), 'wanted "fixed" or "input" where control points meet obstacles, got "free"; it needs a [mesh], '
-                    'and [contact] of = "surface"')  # fmt: skip
+        needs = '; it needs a [mesh], and [contact] of = "surface"'
+        yield refused((*path, "motion"), '"fixed" or "input" where control points meet obstacles', "free", needs)
     if pin.guide is not None or draft.counts is None or not draft.sound(*path, "points"):
         return
     try:
@@ -56,15 +56,14 @@ def _bonded(draft: Draft, path: KeyPath, pin: Pin) -> Iterator[Fault]:
         return  # told elsewhere
     places = np.array([point_at(int(each), draft.counts) for each in chosen], dtype=float).reshape(-1, 3)
     if len(places) > 0 and np.linalg.matrix_rank(places - places[0]) < 2:
-        yield Fault((*path, "points"), f"wanted control points that are not on one line, or a guide, got {toml_text(pin.points)}: "
-                    "they do not hold the part against turning")  # fmt: skip
+        why = ": they do not hold the part against turning"
+        yield refused((*path, "points"), "control points that are not on one line, or a guide", pin.points, why)
 
 
 def _idle(path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
     for key in KEYS:
         if (given := getattr(item, key, None)) is not None:
-            got = f"got {toml_text(list(given) if isinstance(given, tuple) else given)}; it needs {FREE}"
-            yield Fault((*path, key), f'wanted none with motion = "{item.motion}", {got}')
+            yield Fault((*path, key), f'wanted none with motion = "{item.motion}", got {toml_text(given)}; it needs {FREE}')
 
 
 def _masses(draft: Draft, path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
@@ -79,7 +78,7 @@ def _masses(draft: Draft, path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
     elif isinstance(item, Solid) and all(draft.sound(*path, key) for key in ("radius", "length", "size", "mass", "density")):
         made = np.array([item.own_mass(), *item.own_inertia()])
         if not (np.isfinite(made).all() and (made > 0).all()):
-            yield Fault((*path, "mass" if item.mass else "density"), f"wanted a mass and moments of inertia > 0, got {made.min():g}")
+            yield refused((*path, "mass" if item.mass else "density"), "a mass and moments of inertia > 0", float(made.min()))
 
 
 def _inertia(draft: Draft, path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
@@ -88,10 +87,9 @@ def _inertia(draft: Draft, path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
         if isinstance(item, Pin) and item.guide is None and draft.sound(*path, "inertia") and draft.sound(*path, "guide"):
             yield Fault(path, f"wanted inertia beside {FREE}, or a guide, along which it does not turn, got neither")
     elif item.guide is not None:
-        yield Fault((*path, "inertia"), f"wanted none beside guide, along which the body does not turn, got {toml_text(list(given))}")
+        yield refused((*path, "inertia"), NO_TURNING, given)
     elif max(given) > (1 + ROUNDING) * (sum(given) - max(given)):
-        text = "wanted moments of a rigid body, of which none exceeds the sum of the other two"
-        yield Fault((*path, "inertia"), f"{text}, got {toml_text(list(given))}")
+        yield refused((*path, "inertia"), "moments of a rigid body, of which none exceeds the sum of the other two", given)
 
 
 def _guide(path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
@@ -99,10 +97,9 @@ def _guide(path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
     if item.guide is None or isinstance(item, Pin):
         return
     if any(item.angular_velocity):
-        got = toml_text(list(item.angular_velocity))
-        yield Fault((*path, "angular_velocity"), f"wanted none beside guide, along which the body does not turn, got {got}")
+        yield refused((*path, "angular_velocity"), NO_TURNING, item.angular_velocity)
     along, velocity = np.array(item.guide) / max(map(abs, item.guide)), np.array(item.velocity)
     nearest = along * (velocity @ along) / (along @ along)
     if np.abs(velocity - nearest).max() > ROUNDING * np.abs(velocity).max():
-        got = f"got {toml_text(list(item.velocity))}; {toml_text([float(f'{each:.6g}') for each in nearest])} is nearest"
-        yield Fault((*path, "velocity"), f"wanted a velocity along guide = {toml_text(list(item.guide))}, {got}")
+        instead = f"; {toml_text([float(f'{each:.6g}') for each in nearest])} is nearest"
+        yield refused((*path, "velocity"), f"a velocity along guide = {toml_text(item.guide)}", item.velocity, instead)

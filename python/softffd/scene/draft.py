@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 
 from softffd.errors import MeshError
 from softffd.mesh.mesh import Mesh
-from softffd.scene.cells import MOST, PATCH, cells_of
+from softffd.scene.cells import MOST, cells_of
 from softffd.scene.faults import Fault, KeyPath, faults_of, table_in
 from softffd.scene.keys import SceneKeys
 from softffd.scene.sections import Contact, Lattice, Mass, Material, MeshFile, Stiffness
@@ -66,7 +66,7 @@ class Draft:
     @property
     def multiple(self) -> int:
         """Of how many cells the body has multiples along each axis."""
-        return _multiple(self.keys.material)
+        return self.keys.material.multiple
 
 
 def read_draft(document: Mapping[Any, Any], folder: Path) -> Draft:
@@ -142,14 +142,10 @@ def _read_mesh(draft: Draft, source: MeshFile) -> None:
         draft.faults.append(Fault(("mesh", "file"), " ".join(str(error).split())))
 
 
-def _multiple(material: Material) -> int:
-    return PATCH if material.model == "solid" else 1
-
-
 def _lattice(lattice: Lattice, mesh: Mesh | None, material: Material) -> Lattice:
     """The box as given, else that of the mesh grown by the margin, else the unit box; control points as `cells` or `spacing` ask for
     where `points` does not say how many there are; the patches of a solid."""
-    multiple = _multiple(material)
+    multiple = material.multiple
     if material.model == "solid" and "basis" not in lattice.model_fields_set:
         lattice = lattice.filled(basis="patches")
     lower, upper = np.array([[0.0] * 3, [1.0] * 3]) if mesh is None else mesh.bounds
@@ -169,11 +165,9 @@ def _material(material: Material) -> Material:
         material = material.filled(poissons_ratio=POISSONS_RATIO)
     if material.youngs_modulus is not None:
         return material if "damping" in material.model_fields_set else material.filled(damping=0.0)
-    return (
-        material
-        if material.stiffness or material.model == "solid"
-        else material.filled(stiffness=Stiffness(edge=STIFFNESS, face=STIFFNESS, body=STIFFNESS))
-    )
+    if material.stiffness or material.model == "solid":
+        return material
+    return material.filled(stiffness=Stiffness(edge=STIFFNESS, face=STIFFNESS, body=STIFFNESS))
 
 
 def _mass(mass: Mass, mesh: Mesh | None, material: Material) -> Mass:

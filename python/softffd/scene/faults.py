@@ -38,6 +38,11 @@ class Fault:
         return f"{path_text(self.path)}: {self.text}" if self.path else self.text
 
 
+def refused(path: KeyPath, wanted: str, got: Any, more: str = "") -> Fault:
+    """The problem of a key whose value does not go with others. got: the value, as one would write it. more: what follows it."""
+    return Fault(path, f"wanted {wanted}, got {f'{got:g}' if isinstance(got, float) else toml_text(got)}{more}")
+
+
 def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
     """The problems that pydantic found in a document for `model`, in our words."""
     entries = [(entry, _without_tags(entry["loc"], spare_last=entry["type"] == "extra_forbidden")) for entry in error.errors()]
@@ -49,7 +54,8 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
             fault = _unknown_key(path, model, missing)
             misspelt |= {fault.meant} if fault.meant else set()
         else:
-            fault = Fault(path, _explain(entry, path, model))
+            field, got = _field_at(model, path), "nothing" if entry["type"] == "missing" else toml_text(entry["input"])
+            fault = Fault(path, f"wanted {_wanted(entry, field, path)}, got {got}{_nearest(entry, field)}")
         found.append(fault)
     return [fault for fault in found if fault.path not in misspelt]
 
@@ -115,12 +121,6 @@ def table_in(annotation: Any) -> type[BaseModel] | None:
     return next((table for part in get_args(annotation) if (table := table_in(part))), None)
 
 
-def _explain(entry: Mapping[str, Any], path: KeyPath, model: type[BaseModel]) -> str:
-    field = _field_at(model, path)
-    got = "nothing" if entry["type"] == "missing" else toml_text(entry["input"])
-    return f"wanted {_wanted(entry, field, path)}, got {got}{_nearest(entry, field)}"
-
-
 def _unknown_key(path: KeyPath, model: type[BaseModel], missing: set[KeyPath]) -> Fault:
     if nearest := nearest_of(str(path[-1]), _keys_at(model, path[:-1])):
         meant = (*path[:-1], nearest)
@@ -149,8 +149,10 @@ def _wanted(entry: Mapping[str, Any], field: FieldInfo | None, path: KeyPath) ->
         return field.description or "a value"
     if kind == "literal_error" and field:
         return either(_words(field.annotation))
-    if kind in ("tuple_type", "model_type", "model_attributes_type"):
-        return _table_form(entry, path)
+    if kind == "tuple_type":  # the single and the double brackets are easily confused
+        return f"tables, each under a head [[{path_text(path)}]] in double brackets"
+    if kind in ("model_type", "model_attributes_type"):
+        return f"one table under the head [{path[0]}] in single brackets" if len(path) == 1 else "a table"
     unit = _unit(field).replace("1", "")
     for bound in SIGNS.keys() & context.keys():
         return f"{SIGNS[bound]} {context[bound]:g} {unit}".rstrip()
@@ -160,13 +162,6 @@ def _wanted(entry: Mapping[str, Any], field: FieldInfo | None, path: KeyPath) ->
 def _unit(field: FieldInfo | None) -> str:
     extra = field.json_schema_extra if field else None
     return str(extra.get("unit", "1")) if isinstance(extra, dict) else "1"
-
-
-def _table_form(entry: Mapping[str, Any], path: KeyPath) -> str:
-    """What to write where a table is wanted: the single and the double brackets are easily confused."""
-    if entry["type"] == "tuple_type":
-        return f"tables, each under a head [[{path_text(path)}]] in double brackets"
-    return f"one table under the head [{path[0]}] in single brackets" if len(path) == 1 else "a table"
 
 
 def _words(annotation: Any) -> list[str]:

@@ -85,7 +85,8 @@ def scene_of_mesh(
         "TITLE": toml_string(f"{file.stem} dropped on the ground"), "FILE": toml_string(seen_from(folder, file)),
         "MEASURED": size, "SCALE": f"{metres:g}", "METRES": named, "UP": axis,
     }  # fmt: skip
-    return MeshScene(_filled(keys | _physics(placed(mesh, scale=metres, up=axis), DENSITY if density is None else density)), said)
+    keys |= _physics(placed(mesh, scale=metres, up=axis), DENSITY if density is None else density)
+    return MeshScene(re.sub("[A-Z]{2,}", lambda word: keys.get(word[0], word[0]), MESH_TEMPLATE.read_text(encoding="utf-8")), said)
 
 
 def _physics(mesh: Mesh, density: float) -> dict[str, str]:
@@ -106,16 +107,9 @@ def _mass(mesh: Mesh, density: float) -> tuple[str, float, str]:
     try:
         masses = point_masses("volume", counts=(4, 4, 4), origin=low, size=high - low, mesh=mesh, density=density)
     except SoftffdError:
-        return (
-            "surface",
-            density * float(np.prod(high - low)) / 2,
-            f"half of the mesh's box at {density:g} kg/m3: its surface is not closed",
-        )
+        half = density * float(np.prod(high - low)) / 2
+        return "surface", half, f"half of the mesh's box at {density:g} kg/m3: its surface is not closed"
     return "volume", float(masses.mass.sum()), f"the mesh at {density:g} kg/m3"
-
-
-def _filled(keys: dict[str, str]) -> str:
-    return re.sub("[A-Z]{2,}", lambda word: keys.get(word[0], word[0]), MESH_TEMPLATE.read_text(encoding="utf-8"))
 
 
 def _short(value: float) -> str:

@@ -1,6 +1,6 @@
 """The sections of what is rigid beside the object and may be moved by inputs, or have a mass: planes, solids and pins. SI units."""
 
-from typing import Annotated, Any, ClassVar, Literal, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, WithJsonSchema
 
@@ -71,30 +71,22 @@ def _guide() -> Any:
     return quantity(None, "1", "of a free body, any length > 0: it moves along this axis of the world alone, and does not turn")
 
 
-class _Movable(Protocol):
-    """What the keys of a rigid part are."""
-
-    POSE: ClassVar[dict[str, str]]
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def motion(self) -> str: ...
-    @property
-    def inputs(self) -> tuple[str, ...]: ...
-
-
 class Rigid(Section):
     """A rigid part that inputs may move."""
 
     POSE: ClassVar[dict[str, str]] = PLANE_POSE
 
+    if TYPE_CHECKING:  # of all kinds, each of which declares them as keys of its own
+        name: Any
+        motion: Any
+        inputs: Any
+
     @property
-    def part(self: _Movable) -> Part:
+    def part(self) -> Part:
         """Kind and name, with which the names of its variables begin."""
         return Part(type(self).__name__.lower(), self.name)
 
-    def input_components(self: _Movable) -> list[str]:
+    def input_components(self) -> list[str]:
         """What is an input of pose and motion, by itself or with its vector, in the pose's order: "point.z", ..."""
         chosen = set(self.inputs) if self.motion == "input" else set()
         return [f"{vector}.{each}" for vector in self.POSE for each in self.POSE[vector] if {vector, f"{vector}.{each}"} & chosen]

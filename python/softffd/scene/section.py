@@ -6,9 +6,10 @@ Numbers are strict: TOML has types, so `"1.0"` or `true` is no number here. They
 import math
 import re
 import unicodedata
+from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field, Strict, WithJsonSchema
+from pydantic import AfterValidator, AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from softffd.names import IDENTIFIER
@@ -35,6 +36,15 @@ def list_of(length: int, wanted: str) -> BeforeValidator:
 def list_schema(length: int, **entry: Any) -> WithJsonSchema:
     """The JSON schema of a list of `length` equal entries (draft 7, which editors know)."""
     return WithJsonSchema({"type": "array", "items": entry, "minItems": length, "maxItems": length})
+
+
+def one_of(forms: Mapping[str, Any], wanted: str) -> Discriminator:
+    """What tells the forms of a key apart. forms: the Python types of each by its tag (`<...>`: never a key of the file)."""
+
+    def tag_of(value: Any) -> str | None:
+        return next((tag for tag, types in forms.items() if isinstance(value, types) and not isinstance(value, bool)), None)
+
+    return Discriminator(tag_of, custom_error_type="wanted", custom_error_message=wanted)
 
 
 def key(default: Any, description: str, **options: Any) -> Any:

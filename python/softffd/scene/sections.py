@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Strict, Tag, WithJsonSchema
 
 from softffd.scene import section
+from softffd.scene.cells import PATCH
 from softffd.scene.section import NAME, Name, Number, PositiveVector, RotationTable, Section, Switch, Vector, key, quantity, refusal
 from softffd.scene.selection import Selection
 
@@ -42,17 +43,15 @@ class Lattice(Section):
     """The volume around the object and its springs (Xia & Wang 2009, section 1), or the patches of a solid."""
 
     points: PointsInput = quantity(
-        (4, 4, 4),
-        "1",
+        (4, 4, 4), "1",
         'control points per axis [nx, ny, nz], 2..32 each, of a solid 4, 7, .., 31, three cells for each patch; "cubic", or absent beside '
         "`cells` or `spacing`: computed from these",
-    )
+    )  # fmt: skip
     cells: Cells | None = quantity(
-        None,
-        "1",
+        None, "1",
         "cells along the longest side of the box, 1..31, in place of `points`; the other sides get nearly cubic cells, a solid whole "
         "patches",
-    )
+    )  # fmt: skip
     spacing: Number | None = quantity(None, "m", "approximate edge of the cells, in place of `points`", gt=0)
     origin: Vector | None = quantity(None, "m", "lower corner of the box; default: that of the mesh enlarged by `margin`, or [0, 0, 0]")
     size: PositiveVector | None = quantity(
@@ -84,11 +83,9 @@ class Mass(Section):
 
     total: Number | None = quantity(None, "kg", "total mass; default without `density`: 1", gt=0)
     density: Number | None = quantity(
-        None,
-        "kg/m3",
-        "density, in place of `total`; the volume is that of the mesh, which must be closed, or of the box without a mesh",
-        gt=0,
-    )
+        None, "kg/m3",
+        "density, in place of `total`; the volume is that of the mesh, which must be closed, or of the box without a mesh", gt=0,
+    )  # fmt: skip
     distribution: Literal["uniform", "box", "vertices", "surface", "volume"] = key(
         "uniform",
         '"uniform": equal masses; "box": uniform density in the box, each cell gives an eighth of its mass to each corner; "vertices", '
@@ -96,12 +93,10 @@ class Mass(Section):
         'else "box"; a solid is never "uniform"',
     )
     uniform_share: Number = quantity(
-        0.1,
-        "1",
+        0.1, "1",
         'fraction of the mass that is distributed equally over the points, so that none is nearly massless; 0 for "box"; none of a solid',
-        ge=0,
-        le=1,
-    )
+        ge=0, le=1,
+    )  # fmt: skip
     inertia: Literal["lumped", "matched"] = key(
         "lumped",
         '"lumped": masses by the weights; their moment of inertia is too large, about twice at 4 control points per axis '
@@ -118,12 +113,6 @@ class Stiffness(Section):
     body: Number = quantity(..., "N/m", "stiffness of the body diagonals", ge=0, examples=[1e3])
 
 
-def _stiffness_form(value: Any) -> str | None:
-    if isinstance(value, dict | Stiffness):
-        return "<table>"
-    return "<number>" if isinstance(value, int | float) and not isinstance(value, bool) else None
-
-
 def _for_all_springs(value: float | Stiffness) -> Stiffness:
     return value if isinstance(value, Stiffness) else Stiffness(edge=value, face=value, body=value)
 
@@ -133,7 +122,7 @@ if TYPE_CHECKING:
 else:
     StiffnessInput = Annotated[
         Annotated[Number, Field(ge=0), Tag("<number>")] | Annotated[Stiffness, Tag("<table>")],
-        Discriminator(_stiffness_form, custom_error_type="wanted", custom_error_message="a number or a table { edge = , face = , body = }"),
+        section.one_of({"<number>": int | float, "<table>": dict | Stiffness}, "a number or a table { edge = , face = , body = }"),
         AfterValidator(_for_all_springs),
     ]
 
@@ -147,47 +136,41 @@ class Material(Section):
         '"springs": those of the paper; "solid": finite elements of a neo-Hookean solid, with `youngs_modulus` and `poissons_ratio`',
     )
     stiffness: StiffnessInput | None = quantity(
-        None,
-        "N/m",
+        None, "N/m",
         "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }; default without `youngs_modulus`: 1e3; "
         "none of a solid",
-    )
+    )  # fmt: skip
     youngs_modulus: Number | None = quantity(
-        None,
-        "Pa",
+        None, "Pa",
         "Young's modulus at small strain; must be given for a solid. Of springs in place of `stiffness`: they model an isotropic body of "
-        "Poisson's ratio 1/4, the only ratio that springs allow, on any lattice; only edges and face diagonals have springs",
-        gt=0,
-    )
+        "Poisson's ratio 1/4, the only ratio that springs allow, on any lattice; only edges and face diagonals have springs", gt=0,
+    )  # fmt: skip
     poissons_ratio: Number | None = quantity(
-        None,
-        "1",
-        "Poisson's ratio of a solid, 0..0.495; default 0.45; the nearer to 1/2, the shorter the steps; none of springs",
-        ge=0,
-        le=0.495,
-    )
+        None, "1",
+        "Poisson's ratio of a solid, 0..0.495; default 0.45; the nearer to 1/2, the shorter the steps; none of springs", ge=0, le=0.495,
+    )  # fmt: skip
     density: Number | None = quantity(None, "kg/m3", "density of a solid, the same as `mass.density`; none of springs", gt=0)
     damping: Number = quantity(
-        0.01,
-        "N.s/m",
+        0.01, "N.s/m",
         "nodal viscous drag: damping coefficient of each control point, d_i of eq. (3); it also brakes rigid motion; default beside "
-        "`youngs_modulus`: 0",
-        ge=0,
-    )
+        "`youngs_modulus`: 0", ge=0,
+    )  # fmt: skip
     internal_damping: Number = quantity(
-        0.0,
-        "s",
+        0.0, "s",
         "stiffness-proportional (Kelvin-Voigt) damping: the stiffness times this time, of springs a dashpot along each; "
         "damps deformation, not rigid motion; a mode of angular frequency omega has the damping ratio omega / 2 times this time; 0: absent",
         ge=0,
-    )
+    )  # fmt: skip
     volume_stiffness: Number = quantity(
-        0.0,
-        "Pa",
+        0.0, "Pa",
         "prevents the inversion of crushed cells: acts where a corner of a cell has lost half its volume; a first value is 3 times the "
-        "stiffness divided by the edge of a cell, or youngs_modulus; 0: absent; none of a solid",
-        ge=0,
-    )
+        "stiffness divided by the edge of a cell, or youngs_modulus; 0: absent; none of a solid", ge=0,
+    )  # fmt: skip
+
+    @property
+    def multiple(self) -> int:
+        """Of how many cells the body has multiples along each axis."""
+        return PATCH if self.model == "solid" else 1
 
 
 class Region(Section):
@@ -224,13 +207,10 @@ class Contact(Section):
         "contact of the surface",
     )
     penetration: Number = quantity(
-        1e-3,
-        "1",
+        1e-3, "1",
         "of a mesh with more than 5,000 vertices, up to 5,000 are tested for contact; the others may penetrate a plane by this fraction "
-        "of the height of the lattice; `softffd build` reports the bound that holds; 0: all vertices are tested",
-        ge=0,
-        le=1,
-    )
+        "of the height of the lattice; `softffd build` reports the bound that holds; 0: all vertices are tested", ge=0, le=1,
+    )  # fmt: skip
 
 
 class Load(Section):
@@ -303,11 +283,9 @@ class Solver(Section):
         "auto", '"auto": chosen per communication step; "central_difference": as published'
     )
     tolerance: Number = quantity(
-        1e-4,
-        "1",
-        "error allowed in any control point, or node of a solid, at the end of the run, relative to the largest side of the box",
-        gt=0,
-    )
+        1e-4, "1",
+        "error allowed in any control point, or node of a solid, at the end of the run, relative to the largest side of the box", gt=0,
+    )  # fmt: skip
     step: Number = quantity(0.0, "s", "internal step; 0: chosen by stability and tolerance", ge=0)
     most_work: Number = key(
         5e6,

@@ -5,13 +5,13 @@ ranges `{ i = [0, 1], j = [2, 3] }` in which an absent axis means all of it. Ind
 Xia & Wang 2009, eq. (1).
 """
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Discriminator, Field, Strict, Tag
+from pydantic import AfterValidator, Field, Strict, Tag
 
 from softffd.lattice import index_grid
-from softffd.scene.section import Section, key, list_of, list_schema, refusal
+from softffd.scene.section import Section, key, list_of, list_schema, one_of, refusal
 
 FACES = {f"{'xyz'[axis]}{side}": (axis, end) for axis in range(3) for side, end in (("-", 0), ("+", -1))}
 
@@ -39,18 +39,11 @@ class Ranges(Section):
     k: Range | None = key(None, "first and last index along z, both included; absent: all")
 
 
-def _kind(value: Any) -> str | None:
-    """The tag of the form a selection is written in (`<...>`: never a key of the file)."""
-    forms = ((str, "<word>"), ((list, tuple), "<list>"), ((dict, Ranges), "<ranges>"))
-    return next((tag for types, tag in forms if isinstance(value, types)), None)
-
-
 Selection = Annotated[
     Annotated[Word, Tag("<word>")] | Annotated[tuple[Triple, ...], Tag("<list>")] | Annotated[Ranges, Tag("<ranges>")],
-    Discriminator(
-        _kind,
-        custom_error_type="wanted",
-        custom_error_message='"all", "none", a face such as "z-", [[i, j, k], ...] or { i = [first, last] }',
+    one_of(
+        {"<word>": str, "<list>": list | tuple, "<ranges>": dict | Ranges},
+        '"all", "none", a face such as "z-", [[i, j, k], ...] or { i = [first, last] }',
     ),
 ]
 

@@ -2,9 +2,9 @@
 
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, Discriminator, Field, Strict, Tag
+from pydantic import AfterValidator, Field, Strict, Tag
 
-from softffd.scene.section import NAME, Name, Section, Text, Vector, key, list_of, list_schema, refusal
+from softffd.scene.section import NAME, Name, Section, Text, Vector, key, list_of, list_schema, one_of, refusal
 
 MOST = 64
 """Taxels along a side"""
@@ -27,17 +27,11 @@ class Cuboid(Section):
     box: Annotated[Corners, AfterValidator(_in_order)] = key(..., "its lower and its upper corner [m]", examples=[[[0.0] * 3, [1.0] * 3]])
 
 
-def _kind(value: Any) -> str | None:
-    forms = ((str, "<word>"), ((dict, Cuboid), "<box>"))
-    return next((tag for types, tag in forms if isinstance(value, types)), None)
-
-
 On = Annotated[
     Annotated[Text, Tag("<word>")] | Annotated[Cuboid, Tag("<box>")],
-    Discriminator(
-        _kind,
-        custom_error_type="wanted",
-        custom_error_message='a face such as "z-", the name of a group of the mesh, or { box = [[x, y, z], [x, y, z]] }',
+    one_of(
+        {"<word>": str, "<box>": dict | Cuboid},
+        'a face such as "z-", the name of a group of the mesh, or { box = [[x, y, z], [x, y, z]] }',
     ),
 ]
 
