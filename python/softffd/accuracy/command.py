@@ -1,18 +1,17 @@
-"""`softffd accuracy`: measures scenes one after the other and keeps files after each."""
+"""`softffd accuracy`: measures scenes one after the other and keeps files after each: table, document, page, pictures."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from softffd.accuracy.files import keep
-from softffd.accuracy.kept import conditions
+from softffd.accuracy.kept import conditions, csv_text, finite, json_text, keep_files
 from softffd.accuracy.measure import REPEATS, Anchors, Interrupted, measure
 from softffd.accuracy.page import time_words
 from softffd.accuracy.picture import front_picture
-from softffd.accuracy.records import CHOSEN, LEVELS, MISSED, Records, level_words
-from softffd.accuracy.report import factor_words
+from softffd.accuracy.records import CHOSEN, LEVELS, MISSED, Record, Records, level_words
+from softffd.accuracy.report import factor_words, report_page
 from softffd.errors import FmuError
 from softffd.run.drive import positive
 from softffd.run.progress import Note, silent
@@ -23,6 +22,12 @@ STANDARD = (
 )  # fmt: skip
 """The standard set, S1 .. S8: soft, undamped; stiff and slow; one stiff layer; contact with friction; a nearly massless point; rotation;
 impact of a stiff body, and of a nearly massless point."""
+
+
+COLUMNS = (
+    "scene", "method", "origin", "step_s", "tolerance", "communication_step_s", "cpu_time_s", "repeats", "error", "error_claimed",
+    "internal_steps", "rejected_steps", "failure",
+)  # fmt: skip
 
 
 def report_accuracy(
@@ -58,14 +63,14 @@ def report_accuracy(
         except FmuError as error:
             refused[scene.name] = str(error)
             say(f"{scene.name}: {scene.title}\n  not measured: {error}")
-            keep(folder, measured, refused | missing, about, pictures)
+            _keep(folder, measured, refused | missing, about, pictures)
             continue
         if records.good():
             measured.append(records)
             pictures[scene.name] = front_picture(records)
         else:
             missing = {scene.name: "interrupted"} | missing
-        keep(folder, measured, refused | missing, about, pictures)
+        _keep(folder, measured, refused | missing, about, pictures)
         if not records.complete:
             unfinished = dict.fromkeys([scene.name, *missing])
             raise KeyboardInterrupt(f"what is done is kept in {folder}; not complete: {', '.join(unfinished)}")
@@ -96,3 +101,75 @@ def _outcome(records: Records) -> list[str]:
         if run and run.error > MISSED * run.setting.tolerance:
             lines.append(f"  {name} misses its tolerance: error {run.error:.1e} at {run.setting.tolerance:.1e}")
     return lines
+
+
+# ---- files ----
+
+
+def _keep(
+    folder: Path, measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any], pictures: Mapping[str, bytes]
+) -> None:
+    """Writes accuracy.csv, accuracy.json, report.html and a SCENE.png of each scene into `folder`. pictures: PNGs by scene."""
+    scenes = [_scene(records) for records in measured]
+    files: dict[str, bytes | str] = {
+        "accuracy.csv": csv_text(COLUMNS, (_row(records, run) for records in measured for run in records.runs)),
+        "accuracy.json": json_text({**about, "error_levels": LEVELS, "scenes": scenes, "scenes_not_measured": dict(missing)}),
+        "report.html": report_page(measured, missing, about, pictures),
+    }
+    keep_files(folder, files | {f"{records.scene}.png": pictures[records.scene] for records in measured})
+
+
+def _row(records: Records, run: Record) -> dict[str, Any]:
+    failed = run.failure is not None
+    return {
+        "scene": records.scene,
+        "method": run.setting.method,
+        "origin": run.origin,
+        "step_s": run.setting.step or None,
+        "tolerance": run.setting.tolerance or None,
+        "communication_step_s": records.communication_step,
+        "cpu_time_s": None if failed else run.cpu_time,
+        "repeats": run.repeats,
+        "error": None if failed else run.error,
+        "error_claimed": None if failed else finite(records.claimed(run)),
+        "internal_steps": run.steps,
+        "rejected_steps": run.rejected,
+        "failure": run.failure,
+    }
+
+
+def _scene(records: Records) -> dict[str, Any]:
+    reference, recommended = records.reference, records.recommended(records.tolerance)
+    worst = {name: run for name in records.names("softffd") if (run := records.worst_of_tolerance(name))}
+    errors = ([] if run.errors is None else [float(f"{error:.3e}") for error in run.errors] for run in records.runs)
+    return {
+        "scene": records.scene,
+        "title": records.title,
+        "complete": records.complete,
+        "control_points": records.points,
+        "stop_time_s": records.stop_time,
+        "communication_step_s": records.communication_step,
+        "reference": {
+            "method": reference.method,
+            "compared_with": reference.check,
+            "confirmed": reference.confirmed,
+            "uncertainty": reference.uncertainty,
+        },
+        "left_out": records.left_out,
+        "levels": {level_words(level): _level(records, level) for level in LEVELS},
+        "error_over_tolerance": {
+            name: {"largest": run.error / run.setting.tolerance, "tolerance": run.setting.tolerance} for name, run in worst.items()
+        },
+        "recommended": recommended and _row(records, recommended),
+        "times_s": records.times.tolist(),
+        "runs": [_row(records, run) | {"errors": each or None} for run, each in zip(records.runs, errors, strict=True)],
+    }
+
+
+def _level(records: Records, level: float) -> dict[str, Any]:
+    """Times to reach an error, factors over the published scheme (a bound where it never gets there), and auto's time over the best's."""
+    best, chosen = records.best(level), records.cheapest(CHOSEN, level)
+    reached = {name: run.cpu_time for name in records.names() if (run := records.cheapest(name, level))}
+    factors = {name: records.factor(run, level) for name, run in (("best", best), ("auto", chosen))}
+    told = {f"{name}_over_published": pair and {"factor": pair[0], "is_lower_bound": pair[1]} for name, pair in factors.items()}
+    return {"cpu_time_s": reached, "best": best and best.name, **told, "auto_over_best": records.ratio(level)}

@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from softffd.cli.options import parse, setting
+from softffd.cli.options import parse, run_options
 from softffd.errors import Interrupted, SoftffdError
 from softffd.files import require_new, require_writable, size_of
 from softffd.run.progress import ProgressLine
@@ -111,7 +111,7 @@ def _build(options: argparse.Namespace) -> None:
 
 
 def _run(options: argparse.Namespace) -> None:
-    settings = dict(setting(text) for text in options.settings)
+    asked = run_options(options)
     wanted = folder = options.output or Path(f"softffd-{Path(options.what).stem}")
     interrupted = None
     with ProgressLine("packaging") as progress:
@@ -131,9 +131,8 @@ def _run(options: argparse.Namespace) -> None:
 
         try:
             result = run_scene_or_fmu(
-                options.what, inputs={} if options.no_input else options.input, error=options.error, of_mesh=_mesh_options(options),
-                stop_time=options.stop_time, step=options.step, start_values=settings, interpolation=options.interpolation,
-                tolerance=options.tolerance, method=options.method, progress=progress, begun=begun,
+                options.what, error=options.error, of_mesh=_mesh_options(options), interpolation=options.interpolation,
+                progress=progress, begun=begun, **asked,
             )  # fmt: skip
         except Interrupted as stop:
             result, interrupted = stop.result, stop
@@ -150,16 +149,10 @@ def _run(options: argparse.Namespace) -> None:
         webbrowser.open((folder / "view.html").resolve().as_uri())
 
 
-def _sweep(options: argparse.Namespace) -> None:
-    from softffd.cli.sweep import run_sweep
+def _many(options: argparse.Namespace) -> None:
+    from softffd.cli.many import run_fit, run_sweep
 
-    run_sweep(options, dict(setting(text) for text in options.settings))
-
-
-def _fit(options: argparse.Namespace) -> None:
-    from softffd.cli.fit import run_fit
-
-    run_fit(options, dict(setting(text) for text in options.settings))
+    (run_sweep if options.command == "sweep" else run_fit)(options)
 
 
 def _ssp(options: argparse.Namespace) -> None:
@@ -272,7 +265,7 @@ def _export(options: argparse.Namespace) -> None:
 
 
 def _info(options: argparse.Namespace) -> None:
-    from softffd.cli.info import told_info
+    from softffd.cli.told import told_info
     from softffd.fmu.component import Component
     from softffd.run.simulation import run_source
 
@@ -290,7 +283,7 @@ def _schema(_options: argparse.Namespace) -> None:
 
 
 COMMANDS: dict[str, Callable[[argparse.Namespace], None]] = {
-    "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _sweep, "fit": _fit, "accuracy": _accuracy,
+    "demo": _demo, "build": _build, "run": _run, "ssp": _ssp, "sweep": _many, "fit": _many, "accuracy": _accuracy,
     "drivers": _drivers, "scenes": _scenes, "view": _view, "live": _live, "export": _export, "info": _info, "new": _new,
     "schema": _schema,
 }  # fmt: skip

@@ -10,10 +10,10 @@ import pytest
 from scenes import box
 from softffd import SceneError, load_scene
 from softffd.accuracy import space
+from softffd.accuracy.picture import space_picture
 from softffd.accuracy.records import Record, Records
 from softffd.accuracy.rig import Setting
 from softffd.accuracy.space import Measured, continuum, judge_all, lattices, measure_space, on_lattice
-from softffd.accuracy.space_picture import space_picture
 from softffd.cli.command import main
 
 CUBE = """

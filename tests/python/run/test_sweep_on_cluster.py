@@ -10,7 +10,7 @@ import pytest
 import softffd
 from scenes import box
 from softffd import SoftffdError, Sweep, sweep
-from softffd.cli import sweep as command
+from softffd.cli import many as command
 from softffd.cli.command import main
 from softffd.run import sweep_runs as sweeping
 
