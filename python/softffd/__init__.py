@@ -26,21 +26,11 @@ __all__ = [
 ]  # fmt: skip
 
 HOMES = {
-    "embedding.deform": ["deform"],
-    "errors": ["FmuError", "MeshError", "SceneError", "SoftffdError"],
-    "fitting.fit": ["fit"],
-    "fitting.result": ["Fit"],
-    "fmu.package": ["package_fmu"],
-    "fmu.ssp": ["write_ssp"],
-    "mesh.files": ["load_mesh", "save_mesh"],
-    "run.replay": ["replay"],
-    "run.result": ["Result"],
-    "run.simulate": ["simulate"],
-    "run.simulation": ["Simulation"],
-    "run.sweep": ["sweep"],
-    "run.sweep_table": ["Sweep"],
-    "scene.scene": ["Scene", "load_scene"],
-}
+    "embedding.deform": ["deform"], "errors": ["FmuError", "MeshError", "SceneError", "SoftffdError"], "fitting.fit": ["fit"],
+    "fitting.result": ["Fit"], "fmu.package": ["package_fmu"], "fmu.ssp": ["write_ssp"], "mesh.files": ["load_mesh", "save_mesh"],
+    "run.replay": ["replay"], "run.result": ["Result"], "run.simulate": ["simulate"], "run.simulation": ["Simulation"],
+    "run.sweep": ["sweep"], "run.sweep_table": ["Sweep"], "scene.scene": ["Scene", "load_scene"],
+}  # fmt: skip
 """The public names by their module, which is imported when one is asked for: numpy, pydantic and fmpy take most of a second."""
 
 if not TYPE_CHECKING:  # which knows the names from above, and wrong ones too

@@ -21,17 +21,13 @@ def main() -> int:
     except ModuleNotFoundError as error:
         if (error.name or "softffd").startswith("softffd"):
             raise
-        print(f"softffd: the package {error.name} is not installed, as after a set-up that was interrupted; {_set_up()}", file=sys.stderr)
+        script = Path(__file__).parents[1] / "run.py"  # of a clone
+        finish = f"to finish it: python3 {script} scenes" if script.is_file() else "to install it: pip install softffd"
+        print(f"softffd: the package {error.name} is not installed, as after a set-up that was interrupted; {finish}", file=sys.stderr)
         return 1
     finally:
         if ends_at_once:
             signal.signal(signal.SIGTERM, signal.SIG_DFL)
-
-
-def _set_up() -> str:
-    """What installs all that the program needs."""
-    script = Path(__file__).parents[1] / "run.py"  # of a clone
-    return f"to finish it: python3 {script} scenes" if script.is_file() else "to install it: pip install softffd"
 
 
 if __name__ == "__main__":

@@ -82,7 +82,6 @@ def report_accuracy(
 
 
 def _about(scenes: Sequence[str], *, step: float | None, anchors: Anchors | None, typed: str, quick: bool) -> dict[str, Any]:
-    """Date, command line, machine, versions and settings, for the files."""
     options = [f"--step {step:g}" if step else "", "--quick" * quick]
     settings = {"communication_step_s": step, "scipy": anchors is not None, "quick": quick, "repeats": REPEATS}
     return conditions([typed, *scenes, *options], *(["scipy"] if anchors else [])) | {"settings": settings}
@@ -120,50 +119,31 @@ def _keep(
 
 
 def _row(records: Records, run: Record) -> dict[str, Any]:
-    failed = run.failure is not None
-    return {
-        "scene": records.scene,
-        "method": run.setting.method,
-        "origin": run.origin,
-        "step_s": run.setting.step or None,
-        "tolerance": run.setting.tolerance or None,
-        "communication_step_s": records.communication_step,
-        "cpu_time_s": None if failed else run.cpu_time,
-        "repeats": run.repeats,
-        "error": None if failed else run.error,
-        "error_claimed": None if failed else finite(records.claimed(run)),
-        "internal_steps": run.steps,
-        "rejected_steps": run.rejected,
-        "failure": run.failure,
-    }
+    failed, setting = run.failure is not None, run.setting
+    cells = (
+        records.scene, setting.method, run.origin, setting.step or None, setting.tolerance or None, records.communication_step,
+        None if failed else run.cpu_time, run.repeats, None if failed else run.error, None if failed else finite(records.claimed(run)),
+        run.steps, run.rejected, run.failure,
+    )  # fmt: skip
+    return dict(zip(COLUMNS, cells, strict=True))
 
 
 def _scene(records: Records) -> dict[str, Any]:
     reference, recommended = records.reference, records.recommended(records.tolerance)
     worst = {name: run for name in records.names("softffd") if (run := records.worst_of_tolerance(name))}
     errors = ([] if run.errors is None else [float(f"{error:.3e}") for error in run.errors] for run in records.runs)
+    told = {
+        "method": reference.method, "compared_with": reference.check, "confirmed": reference.confirmed,
+        "uncertainty": reference.uncertainty,
+    }  # fmt: skip
+    over = {name: {"largest": run.error / run.setting.tolerance, "tolerance": run.setting.tolerance} for name, run in worst.items()}
     return {
-        "scene": records.scene,
-        "title": records.title,
-        "complete": records.complete,
-        "control_points": records.points,
-        "stop_time_s": records.stop_time,
-        "communication_step_s": records.communication_step,
-        "reference": {
-            "method": reference.method,
-            "compared_with": reference.check,
-            "confirmed": reference.confirmed,
-            "uncertainty": reference.uncertainty,
-        },
-        "left_out": records.left_out,
-        "levels": {level_words(level): _level(records, level) for level in LEVELS},
-        "error_over_tolerance": {
-            name: {"largest": run.error / run.setting.tolerance, "tolerance": run.setting.tolerance} for name, run in worst.items()
-        },
-        "recommended": recommended and _row(records, recommended),
-        "times_s": records.times.tolist(),
+        "scene": records.scene, "title": records.title, "complete": records.complete, "control_points": records.points,
+        "stop_time_s": records.stop_time, "communication_step_s": records.communication_step, "reference": told,
+        "left_out": records.left_out, "levels": {level_words(level): _level(records, level) for level in LEVELS},
+        "error_over_tolerance": over, "recommended": recommended and _row(records, recommended), "times_s": records.times.tolist(),
         "runs": [_row(records, run) | {"errors": each or None} for run, each in zip(records.runs, errors, strict=True)],
-    }
+    }  # fmt: skip
 
 
 def _level(records: Records, level: float) -> dict[str, Any]:

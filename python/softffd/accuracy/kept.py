@@ -47,10 +47,7 @@ def conditions(command: Iterable[str], *packages: str) -> dict[str, Any]:
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "command": " ".join(word for word in command if word),
         "machine": {"processor": _processor(), "cores": os.cpu_count(), "system": platform.platform(terse=True)},
-        "versions": {
-            "Python": platform.python_version(),
-            **{name: _version(name) for name in ("softffd", "numpy", "fmpy", *packages)},
-        },
+        "versions": {"Python": platform.python_version(), **{name: _version(name) for name in ("softffd", "numpy", "fmpy", *packages)}},
     }
 
 

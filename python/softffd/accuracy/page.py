@@ -16,12 +16,8 @@ NONE = "&ndash;"
 
 def page(title: str, about: Mapping[str, Any], header: Iterable[str], sections: Iterable[str]) -> str:
     """The page's text; header and sections are HTML. about: as `conditions` makes it."""
-    parts = {
-        "title": html.escape(title),
-        "conditions": html.escape(condition_words(about)),
-        "header": _joined(header),
-        "sections": _joined(sections),
-    }
+    words = html.escape(condition_words(about))
+    parts = {"title": html.escape(title), "conditions": words, "header": _joined(header), "sections": _joined(sections)}
     return filled("softffd.accuracy", "page.html", parts)
 
 

@@ -29,6 +29,9 @@ SHORT = 0.02
 ROUNDING = 1e-13
 """Of the largest coordinate: by less, places at rest move by rounding alone, 2e-14 in 5 s."""
 
+OBSERVED = {"outputs.positions": "all", "outputs.solver": True, "solver.error_estimate": False}
+"""Of the scene that is run: all positions and the solver's counts, and no shadow run beside it."""
+
 NOTHING_MOVES = "nothing moves; wanted a load, gravity, a start that is not at rest, or a pin or obstacle that moves"
 
 
@@ -108,7 +111,7 @@ class Rig:
             raise
 
     def _open(self) -> None:
-        simulation = self._simulation = Simulation(self.scene if self._watched else _observed(self.scene))
+        simulation = self._simulation = Simulation(self.scene if self._watched else self.scene.replace(OBSERVED))
         self.methods = list(simulation.variables["solver.method"].items or {})
         component, names = simulation.component, variable_names("position", all_points(self.scene.lattice.points))
         if self._watched:
@@ -140,7 +143,9 @@ class Rig:
                 times.append(elapsed)
                 if before is not None and np.array_equal(positions, before.positions):
                     break
-            return Run(positions, min(times), len(times), int(self._simulation.number("solver.steps")), self._rejected())
+            number, rejected = self._simulation.number, "solver.rejected"
+            counted = int(number(rejected)) if rejected in self._simulation else None
+            return Run(positions, min(times), len(times), int(number("solver.steps")), counted)
         except FmuError:
             self._simulation.close()
             self._open()
@@ -157,10 +162,6 @@ class Rig:
             raise FmuError("the outputs are not finite" if self._watched else "the positions are not finite")
         return rows.reshape((len(rows), -1) if self._watched else (len(rows), -1, 3)).copy(), elapsed
 
-    def _rejected(self) -> int | None:
-        name = "solver.rejected"
-        return int(self._simulation.number(name)) if name in self._simulation else None
-
     def close(self) -> None:
         """Frees the FMU and its files."""
         self._simulation.close()
@@ -170,8 +171,3 @@ class Rig:
 
     def __exit__(self, *_exception: object) -> None:
         self.close()
-
-
-def _observed(scene: Scene) -> Scene:
-    """The scene with all positions and the solver's counts among its outputs, and without a shadow run beside it."""
-    return scene.replace({"outputs.positions": "all", "outputs.solver": True, "solver.error_estimate": False})

@@ -100,7 +100,6 @@ def lattices(scene: Scene) -> list[tuple[int, ...]]:
 
 
 def _of_one_lattice(scene: Scene) -> list[str]:
-    """What a scene says of single points or springs, a line each."""
     wrong = [] if scene.material.youngs_modulus else ["material.stiffness: belongs to one lattice; wanted material.youngs_modulus"]
     selections = {f"pin.{pin.name}.points": pin.points for pin in scene.pin} | {
         f"load.{load.name}.points": load.points for load in scene.load
@@ -176,17 +175,14 @@ def judge_all(measured: Sequence[Measured]) -> None:
     for each in measured:
         same = [each]
         for other in measured:
-            if other is each or not _comparable(each, other):
+            alike = each.names == other.names and each.own.keys() == other.own.keys()
+            if other is each or not (alike and np.array_equal(each.records.times, other.records.times)):
                 continue
             name = other.records.scene
             each.apart[name] = {kind: continuum.error(each.own[kind].course) for kind, continuum in other.own.items()}
             if all(apart <= each.own[kind].uncertainty + other.own[kind].uncertainty for kind, apart in each.apart[name].items()):
                 same.append(other)
         each.judge(min(same, key=lambda scene: scene.uncertainty))
-
-
-def _comparable(one: Measured, other: Measured) -> bool:
-    return one.names == other.names and one.own.keys() == other.own.keys() and np.array_equal(one.records.times, other.records.times)
 
 
 def measure_space(scene: Scene, *, step: float | None = None, quick: bool = False, note: Note = silent) -> Measured:

@@ -40,9 +40,10 @@ def report_space(
     for scene in [load_scene(name) for name in scenes]:
         measured.append(measure_space(scene, step=step, quick=quick, note=note))
         judge_all(measured)
+        rows = [_row(each, run) for each in measured for run in each.records.runs]
         picture = space_picture([each.records for each in measured])
         files: dict[str, bytes | str] = {
-            "accuracy.csv": csv_text(tuple(_row(measured[0], measured[0].records.runs[0])), _rows(measured)),
+            "accuracy.csv": csv_text(tuple(rows[0]), rows),
             "accuracy.json": json_text(about | {"scenes": [_document(each) for each in measured]}),
             "accuracy.png": picture,
             "report.html": page("Error against run time over lattices", about, [INTRODUCTION, image(picture)], map(_section, measured)),
@@ -54,24 +55,14 @@ def report_space(
     return measured
 
 
-def _rows(measured: Sequence[Measured]) -> Iterator[dict[str, Any]]:
-    return (_row(each, run) for each in measured for run in each.records.runs)
-
-
 def _row(measured: Measured, run: Record) -> dict[str, Any]:
     errors = _errors(measured, run)
+    points = dict(zip(("points_x", "points_y", "points_z"), run.lattice, strict=True))
     return {
-        "scene": measured.records.scene,
-        "points_x": run.lattice[0],
-        "points_y": run.lattice[1],
-        "points_z": run.lattice[2],
-        "method": run.setting.method,
-        "tolerance": run.setting.tolerance,
-        "cpu_time_s": None if run.failure else run.cpu_time,
-        "internal_steps": run.steps,
-        **{f"error_{kind}": errors.get(kind) for kind in KINDS},
-        "failure": run.failure,
-    }
+        "scene": measured.records.scene, **points, "method": run.setting.method, "tolerance": run.setting.tolerance,
+        "cpu_time_s": None if run.failure else run.cpu_time, "internal_steps": run.steps,
+        **{f"error_{kind}": errors.get(kind) for kind in KINDS}, "failure": run.failure,
+    }  # fmt: skip
 
 
 def _errors(measured: Measured, run: Record) -> dict[str, float]:
@@ -79,17 +70,13 @@ def _errors(measured: Measured, run: Record) -> dict[str, float]:
 
 
 def _document(measured: Measured) -> dict[str, Any]:
+    kinds = measured.own.items()
     return {
-        "scene": measured.records.scene,
-        "title": measured.records.title,
-        "continuum": {
-            kind: {"order": each.order, "uncertainty": each.uncertainty, "largest_change": each.change}
-            for kind, each in measured.own.items()
-        },
-        "errors_against": measured.against,
-        "apart": measured.apart,
+        "scene": measured.records.scene, "title": measured.records.title,
+        "continuum": {kind: {"order": each.order, "uncertainty": each.uncertainty, "largest_change": each.change} for kind, each in kinds},
+        "errors_against": measured.against, "apart": measured.apart,
         "runs": [_row(measured, run) for run in measured.records.runs],
-    }
+    }  # fmt: skip
 
 
 def _continua(measured: Measured) -> Iterator[str]:
@@ -104,7 +91,6 @@ def _continua(measured: Measured) -> Iterator[str]:
 
 
 def _costs(records: Records) -> Iterator[str]:
-    """Lattice, setting and time that reach an error."""
     for level in LEVELS:
         run = records.recommended(level)
         yield f"error {level_words(level)}: {_told(run) if run else 'not reached'}"

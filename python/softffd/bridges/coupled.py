@@ -164,7 +164,6 @@ class Bridge:
 
 
 def _accelerated(answers: Sequence[np.ndarray], misses: Sequence[np.ndarray]) -> np.ndarray:
-    """The wrenches to try next."""
     if len(answers) == 1:
         return answers[0]
     changes, of_misses = (np.transpose([(each[-1] - other).ravel() for other in each[:-1]]) for each in (answers, misses))

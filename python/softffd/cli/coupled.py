@@ -15,23 +15,19 @@ from softffd.fmu.ssp import told_ssp
 
 def write_coupled(options: argparse.Namespace) -> str:
     """Writes the system and returns what is said about it."""
-    named = [_named(text) for text in (options.scene, *options.others)]
     components: dict[str, str] = {}
-    for name, what in named:
-        if name in components:
+    for text in (options.scene, *options.others):
+        given, _, what = text.rpartition("=") if re.match(r"[\w-]+=", text) else ("", "", text)  # [NAME=]FILE
+        if (name := given or Path(what).stem) in components:
             raise SoftffdError(f"{what}: there is a component {name} already; wanted --with NAME={what} with another name")
         components[name] = what
     connections = [_connection(text) for text in options.connections]
-    path = options.output or Path(f"{named[0][0]}.ssp")
+    settings = (setting(text, "COMPONENT.VARIABLE=VALUE, e.g. --set plate.mass=2") for text in options.settings)
+    starts = {name: value.split(",") if "," in value else value for name, value in settings}
+    path = options.output or Path(f"{next(iter(components))}.ssp")
     if not options.overwrite:
         require_new([path], "another name by -o X.ssp")
-    return "\n".join(told_ssp(path, components, connections, dict(map(_start, options.settings)), options.recorded))
-
-
-def _named(text: str) -> tuple[str, str]:
-    """Component and file of [NAME=]FILE."""
-    name, _, what = text.rpartition("=") if re.match(r"[\w-]+=", text) else ("", "", text)
-    return name or Path(what).stem, what
+    return "\n".join(told_ssp(path, components, connections, starts, options.recorded))
 
 
 def _connection(text: str) -> tuple[Any, ...]:
@@ -43,8 +39,3 @@ def _connection(text: str) -> tuple[Any, ...]:
     except ValueError:
         pass
     raise SoftffdError(f"--connect {text}: wanted END=END[:FACTOR[:OFFSET]], e.g. --connect plate.point=box.plane.plate.point")
-
-
-def _start(text: str) -> tuple[str, Any]:
-    name, value = setting(text, "COMPONENT.VARIABLE=VALUE, e.g. --set plate.mass=2")
-    return name, value.split(",") if "," in value else value

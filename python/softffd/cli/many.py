@@ -64,7 +64,6 @@ def _say(table: Any, files: list[Path], folder: Path) -> None:
 
 
 def _varied(text: str) -> tuple[str, list[Any]]:
-    """The name and the values of a --vary."""
     name, _, given = text.partition("=")
     parts = given.strip().split(":")
     if not name.strip() or not given.strip() or (len(parts) > 1 and len(parts) not in (3, 4)) or parts[3:] not in ([], ["log"]):
@@ -83,7 +82,6 @@ def _varied(text: str) -> tuple[str, list[Any]]:
 
 
 def _value(text: str) -> float | str:
-    """A number, or the name of a value."""
     try:
         return number_in(text)
     except ValueError:
@@ -117,7 +115,6 @@ def run_fit(options: argparse.Namespace) -> None:
 
 
 def _started(text: str) -> tuple[str, float | None]:
-    """Name and start of a --vary of a fit."""
     name, equals, start = (part.strip() for part in text.partition("="))
     try:
         if name and (start or not equals):

@@ -113,7 +113,6 @@ def _start(variable: ScalarVariable) -> str:
 
 
 def _grouped(variables: list[ScalarVariable], flat: bool) -> Iterator[tuple[str, ...]]:
-    """Rows; those of control points of one family are one."""
     for family, group in groupby(variables, _family_of_points):
         listed = list(group)
         if family is None:

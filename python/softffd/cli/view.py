@@ -10,7 +10,6 @@ from softffd.errors import SoftffdError
 from softffd.files import require_new
 from softffd.run.progress import Note, silent
 from softffd.run.replay import replay_system
-from softffd.run.result import Result
 from softffd.show.view import write_views
 
 
@@ -26,25 +25,19 @@ def page_to_view(what: Sequence[Path], output: Path | None, *, overwrite: bool, 
             raise SoftffdError(f"view: {'--ssp' if together else '--output'}: wanted with two runs or more; the page of one is beside it")
         stage("writing view.html")
         return page_of(what[0])
+    if is_system and (len(what) != 2 or what[1].suffix.lower() != ".csv"):
+        raise SoftffdError(f"{what[0]}: wanted with it the CSV file of what a host recorded of the system: softffd view {what[0]} rows.csv")
     page = output or Path(f"{what[0].stem if is_system else '-'.join(map(_short, what))}.html")
     if not overwrite:
         require_new([page], "another name by -o X.html")
-    runs = _components(what, stage) if is_system else {name: kept_result(each) for name, each in zip(_names(what), what, strict=True)}
+    if is_system:
+        runs = replay_system(what[0], what[1], stage)
+    else:  # by their folders or files; whole paths where two are the same
+        short = [_short(each) for each in what]
+        runs = {name if len(set(short)) == len(short) else str(each): kept_result(each) for name, each in zip(short, what, strict=True)}
     stage(f"writing {page.name}")
     return write_views(runs, page, together=together or is_system)
 
 
-def _names(what: Sequence[Path]) -> list[str]:
-    """Of runs, by their folders or files; whole paths where two are the same."""
-    short = [_short(each) for each in what]
-    return short if len(set(short)) == len(short) else [str(each) for each in what]
-
-
 def _short(kept: Path) -> str:
     return (kept.resolve().name if kept.is_dir() else kept.stem).removeprefix("softffd-")
-
-
-def _components(what: Sequence[Path], stage: Note) -> dict[str, Result]:
-    if len(what) != 2 or what[1].suffix.lower() != ".csv":
-        raise SoftffdError(f"{what[0]}: wanted with it the CSV file of what a host recorded of the system: softffd view {what[0]} rows.csv")
-    return replay_system(what[0], what[1], stage)

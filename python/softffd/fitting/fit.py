@@ -101,10 +101,9 @@ def fit(
         runs = _Runs(experiments, parameters, _weights(experiments, noise), make, progress)
         try:
             runs.begin()
-            low, high = np.transpose([parameter.bounds for parameter in parameters])
             with np.errstate(divide="ignore", invalid="ignore"):  # where a parameter has no effect at all
                 solved = optimize.least_squares(
-                    runs.residuals, np.ones(len(parameters)), runs.jacobian, bounds=(low, high), method="trf", x_scale=1.0,
+                    runs.residuals, np.ones(len(parameters)), runs.jacobian, bounds=runs.bounds, method="trf", x_scale=1.0,
                     ftol=CLOSE / rows, xtol=SHORT, gtol=None, max_nfev=MOST_ITERATIONS,
                 )  # fmt: skip
             return runs.fit(solved.x, converged=solved.status > 0)
@@ -113,7 +112,6 @@ def fit(
 
 
 def _paired(scene_or_fmu: Any, data: Any) -> tuple[list[Any], list[Any]]:
-    """Scenes and data of the tests."""
     scenes = list(scene_or_fmu) if isinstance(scene_or_fmu, list | tuple) else [scene_or_fmu]
     tests = list(data) if isinstance(data, list | tuple) else [data]
     if len(scenes) != len(tests) or not tests:
@@ -142,6 +140,7 @@ class _Runs:
         self._at, self._curve = np.full(len(parameters), np.nan), np.empty(0)  # of the last single run
         self._best: tuple[float, np.ndarray] = math.inf, np.ones(len(parameters))
         self._steps = np.full(len(parameters), FIRST_STEP)
+        self.bounds = self._low, self._high = np.transpose([each.bounds for each in parameters])
         self._last: Jacobian | None = None
         self.noise = 0.0
         self.count = 0
@@ -179,7 +178,8 @@ class _Runs:
         columns, words = np.empty((len(centre), len(point))), ""
         missing = list(range(len(point)))
         for sign in (1.0, -1.0):
-            moves = {j: sign * self._steps[j] for j in missing if self._within(j, point[j] + sign * self._steps[j])}
+            moves = {j: sign * self._steps[j] for j in missing}
+            moves = {j: move for j, move in moves.items() if self._low[j] <= point[j] + move <= self._high[j]}
             curves = self._curves([point + move * np.eye(len(point))[j] for j, move in moves.items()])
             for (j, move), curve in zip(moves.items(), curves, strict=True):
                 if isinstance(curve, str):
@@ -194,10 +194,6 @@ class _Runs:
         with np.errstate(divide="ignore", invalid="ignore"):
             self._steps = np.clip(np.nan_to_num(2 * np.sqrt(self.noise / slopes), nan=FIRST_STEP), LEAST_STEP, MOST_STEP)
         return columns
-
-    def _within(self, n: int, coordinate: float) -> bool:
-        low, high = self._parameters[n].bounds
-        return low <= coordinate <= high
 
     def fit(self, point: np.ndarray, *, converged: bool) -> Fit:
         """The result at the best point."""

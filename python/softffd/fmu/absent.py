@@ -82,7 +82,6 @@ def _new_part(name: str) -> str:
 
 
 def _scene_key(name: str, there: Collection[str]) -> str:
-    """Of a key of the scene that is no variable."""
     from softffd.scene.keys import SceneKeys  # brings pydantic along, which those who have an FMU do without
     from softffd.scene.section import Section
 

@@ -87,20 +87,17 @@ class Instance:
         me = weakref.ref(self)  # the library's last words may come when there is nobody to hear them
 
         def note(_environment: Any, _instance: Any, status: int, category: bytes | None, text: bytes) -> None:
-            if component := me():
-                component._note(status, category, text)
+            if (instance := me()) is None:
+                return
+            words = text.decode("utf-8", "replace").replace("%%", "%").replace("##", "#")
+            instance.messages.append(message := Message(status, (category or b"").decode("utf-8", "replace"), words))
+            if instance.listener:
+                instance.listener(message)
 
         callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(note)
         callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
         callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(free)
         return callbacks
-
-    def _note(self, status: int, category: bytes | None, text: bytes) -> None:
-        said = text.decode("utf-8", "replace").replace("%%", "%").replace("##", "#")
-        message = Message(status, (category or b"").decode("utf-8", "replace"), said)
-        self.messages.append(message)
-        if self.listener:
-            self.listener(message)
 
     def _last_message(self) -> str:
         return self.messages[-1].text if self.messages else ""
@@ -233,8 +230,6 @@ def _bound(function: Callable[..., int], instance: c_void_p, check: Callable[[in
 
 
 def _refused(words: str) -> Callable[..., None]:
-    """A call that is answered with FmuError."""
-
     def refuse(*_arguments: object) -> None:
         raise FmuError(words)
 

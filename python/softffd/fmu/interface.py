@@ -7,7 +7,7 @@ answers to both standards whatever the description says.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,30 +68,20 @@ class Interface:
     """Of the default experiment [s]"""
     step: float | None
     """Its communication step [s]"""
-    interpolates: bool
+    interpolates: bool = True
     """Whether derivatives of inputs are taken"""
-    saves: bool
+    saves: bool = True
     """Whether states can be got and set"""
-    serializes: bool
+    serializes: bool = True
     """Whether states can be turned into bytes and back"""
 
 
 def scene_interface(scene: Scene, variables: Iterable[Variable], guid: str) -> Interface:
     """The interface of a scene's FMU, without a look at its XML."""
     flat = scene.fmu.names == "flat"
-    return Interface(
-        name=scene.name,
-        title=scene.title,
-        identifier=IDENTIFIER,
-        guid=guid,
-        variables=ByName({element.name: element for variable in variables for element in elements(variable, flat=flat)}),
-        flat=flat,
-        stop_time=scene.experiment.stop_time,
-        step=scene.experiment.communication_step,
-        interpolates=True,
-        saves=True,
-        serializes=True,
-    )
+    listed = ByName({element.name: element for variable in variables for element in elements(variable, flat=flat)})
+    experiment = scene.experiment
+    return Interface(scene.name, scene.title, IDENTIFIER, guid, listed, flat, experiment.stop_time, experiment.communication_step)
 
 
 def elements(variable: Variable, *, flat: bool = False) -> Iterator[ScalarVariable]:
@@ -115,19 +105,15 @@ def read_interface(description: Any, resources: Path) -> Interface:
         declared = [element for array in arrays for element in _elements_of(array, resources, flat=flat)]
     else:
         declared = [_declared(variable, own) for variable in description.modelVariables]
-    return Interface(
-        name=description.modelName,
-        title=description.description or description.modelName,
-        identifier=simulation.modelIdentifier,
-        guid=description.guid,
-        variables=ByName({variable.name: variable for variable in declared}),
-        flat=flat,
-        stop_time=_number(experiment.stopTime) if experiment else None,
-        step=_number(experiment.stepSize) if experiment else None,
-        interpolates=three or bool(simulation.canInterpolateInputs),
-        saves=three or bool(simulation.canGetAndSetFMUstate),
-        serializes=three or bool(simulation.canSerializeFMUstate),
-    )
+    title, variables = description.description or description.modelName, ByName({variable.name: variable for variable in declared})
+    stop_time, step = (_number(experiment.stopTime), _number(experiment.stepSize)) if experiment else (None, None)
+    interface = Interface(description.modelName, title, simulation.modelIdentifier, description.guid, variables, flat, stop_time, step)
+    if three:
+        return interface
+    return replace(
+        interface, interpolates=bool(simulation.canInterpolateInputs), saves=bool(simulation.canGetAndSetFMUstate),
+        serializes=bool(simulation.canSerializeFMUstate),
+    )  # fmt: skip
 
 
 def _number(value: Any) -> float | None:

@@ -24,21 +24,14 @@ AUTHOR: Final = "the softffd authors"
 COPYRIGHT: Final = f"Copyright (c) 2026, {AUTHOR}"  # as the licence says it
 LAST: Final = 253402300799  # the last second of the year 9999
 SIMULATION = {
-    "modelIdentifier": IDENTIFIER,
-    "canHandleVariableCommunicationStepSize": "true",
-    "canInterpolateInputs": "true",
-    "maxOutputDerivativeOrder": "1",
-    "canNotUseMemoryManagementFunctions": "true",
-    "canGetAndSetFMUstate": "true",
+    "modelIdentifier": IDENTIFIER, "canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "true",
+    "maxOutputDerivativeOrder": "1", "canNotUseMemoryManagementFunctions": "true", "canGetAndSetFMUstate": "true",
     "canSerializeFMUstate": "true",
-}
+}  # fmt: skip
 SIMULATION3 = {
-    "modelIdentifier": IDENTIFIER,
-    "canHandleVariableCommunicationStepSize": "true",
-    "maxOutputDerivativeOrder": "1",
-    "canGetAndSetFMUState": "true",
-    "canSerializeFMUState": "true",
-}
+    "modelIdentifier": IDENTIFIER, "canHandleVariableCommunicationStepSize": "true", "maxOutputDerivativeOrder": "1",
+    "canGetAndSetFMUState": "true", "canSerializeFMUState": "true",
+}  # fmt: skip
 
 _ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"})
 
@@ -187,16 +180,10 @@ def _head(
     leave_out of the log categories: names.
     """
     origin = {
-        "modelName": scene.name,
-        "description": scene.title,
-        "author": AUTHOR,
-        "version": __version__,
-        "copyright": COPYRIGHT,
-        "license": "BSD-2-Clause",
-        "generationTool": f"softffd {__version__}",
-        "generationDateAndTime": DATE_PLACE,
+        "modelName": scene.name, "description": scene.title, "author": AUTHOR, "version": __version__, "copyright": COPYRIGHT,
+        "license": "BSD-2-Clause", "generationTool": f"softffd {__version__}", "generationDateAndTime": DATE_PLACE,
         "variableNamingConvention": scene.fmu.names,
-    }
+    }  # fmt: skip
     root = Xml.Element("fmiModelDescription", {**identity, **origin})
     Xml.SubElement(root, "CoSimulation", dict(simulation))
     defined = Xml.SubElement(root, "UnitDefinitions")

@@ -134,12 +134,8 @@ def read_lattice(resources: Path) -> LatticeBox | None:
     records = _read(resources)
     if records is None:
         return None
-    return LatticeBox(
-        points=_three(int, records["counts"]),
-        origin=_three(float, records["origin"]),
-        size=_three(float, records["size"]),
-        basis=records.get("basis", ["bezier"])[0],
-    )
+    points, origin, size = _three(int, records["counts"]), _three(float, records["origin"]), _three(float, records["size"])
+    return LatticeBox(points, origin, size, records.get("basis", ["bezier"])[0])
 
 
 class PinRecord(NamedTuple):
@@ -261,10 +257,7 @@ def _three(read: Callable[[Any], T], words: Iterable[Any]) -> tuple[T, T, T]:
     return x, y, z
 
 
-def _line(values: Iterable[object]) -> str:
-    return " ".join(value if isinstance(value, str) else _number(value) for value in values) + "\n"
-
-
-def _number(value: Any) -> str:
-    """The shortest decimal that reads back as the same double."""
-    return str(int(value)) if isinstance(value, int | np.integer) else repr(float(value))
+def _line(values: Iterable[Any]) -> str:
+    """Numbers as the shortest decimals that read back as the same doubles."""
+    plain = (int(value) if isinstance(value, int | np.integer) else value for value in values)
+    return " ".join(str(value) if isinstance(value, int | str) else repr(float(value)) for value in plain) + "\n"

@@ -23,7 +23,7 @@ from softffd.fmu.archive import require_no_bomb
 from softffd.fmu.interface import read_interface
 from softffd.fmu.model_description import xml_text
 from softffd.fmu.package import package_fmu
-from softffd.fmu.wiring import Connection, Element, Wiring, read_units
+from softffd.fmu.wiring import Element, Wiring, read_units
 from softffd.scene.kept import KeptScene
 from softffd.scene.scene import Scene, scene_of
 from softffd.spelling import did_you_mean
@@ -146,15 +146,17 @@ def _element(name: str, file: Path) -> Element:
 
 
 def _structure(name: str, wiring: Wiring) -> Xml.Element:
-    """SystemStructure.ssd."""
     root = _node(None, "ssd:SystemStructureDescription", version="1.0", name=name)
     system = _node(root, "ssd:System", name=name)
     elements = _node(system, "ssd:Elements")
     for element in wiring.elements.values():
         _component(elements, element, wiring)
     connections = _node(system, "ssd:Connections") if wiring.connections else None
-    for connection in wiring.connections:
-        _connection(connections, connection)
+    for source, target, factor, offset in wiring.connections:
+        ends = {"startElement": source.element.name, "startConnector": source.variable.name}
+        node = _node(connections, "ssd:Connection", **ends, endElement=target.element.name, endConnector=target.variable.name)
+        if (factor, offset) != (1.0, 0.0):
+            _node(node, "ssc:LinearTransformation", factor=repr(factor), offset=repr(offset))
     used = {end.variable.unit: end for end in wiring.ends().values() if end.variable.unit}
     units = _node(root, "ssd:Units") if used else None
     for unit, end in sorted(used.items()):
@@ -175,14 +177,6 @@ def _component(parent: Xml.Element, element: Element, wiring: Wiring) -> None:
     if starts := wiring.starts.get(element.name):
         binding = _node(_node(component, "ssd:ParameterBindings"), "ssd:ParameterBinding")
         _node(binding, "ssd:ParameterValues").append(_parameter_set(starts, wiring, element.name))
-
-
-def _connection(parent: Xml.Element | None, connection: Connection) -> None:
-    source, target, factor, offset = connection
-    ends = {"startElement": source.element.name, "startConnector": source.variable.name}
-    node = _node(parent, "ssd:Connection", **ends, endElement=target.element.name, endConnector=target.variable.name)
-    if (factor, offset) != (1.0, 0.0):
-        _node(node, "ssc:LinearTransformation", factor=repr(factor), offset=repr(offset))
 
 
 def _parameter_set(starts: Mapping[str, float], wiring: Wiring, element: str | None = None) -> Xml.Element:

@@ -11,7 +11,7 @@ part comes from the variables' names: `plane.press.reaction.z` is the member `re
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from xml.etree import ElementTree as Xml
 
 from softffd.fmu.variables import OF_POINTS, Variable
@@ -25,10 +25,11 @@ WHOLE = "value"
 
 def terminals(variables: Sequence[Variable], fmi: int, *, flat: bool) -> Xml.Element | None:
     """The document; None where no part has inputs or outputs. fmi: 2, whose variables are the elements, or 3. flat: the names' form."""
+    form = flat_form if flat else str
     members: dict[Part, list[tuple[str, str]]] = {}
     for variable in variables:
         if variable.family["causality"] in ("input", "output") and variable.family["part"] not in OF_POINTS:
-            for name in _names(variable, fmi):
+            for name in [name for name, _ in variable.elements()] if fmi == 2 else [variable.name()]:
                 if part := _part_of(name):
                     members.setdefault(part, []).append((name, name.removeprefix(f"{part}").lstrip(".") or WHOLE))
     if not members:
@@ -36,24 +37,13 @@ def terminals(variables: Sequence[Variable], fmi: int, *, flat: bool) -> Xml.Ele
     root = Xml.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     listed = Xml.SubElement(root, "Terminals")
     for part, pairs in members.items():
-        own = {
-            "name": _form(str(part), flat),
-            "matchingRule": "bus",
-            "terminalKind": f"_softffd_{part.kind}",
-            "description": f"{part.kind} {part.name}",
-        }
+        own = {"name": form(str(part)), "matchingRule": "bus", "terminalKind": f"_softffd_{part.kind}"}
+        own["description"] = f"{part.kind} {part.name}"
         terminal = Xml.SubElement(listed, "Terminal", own)
         for name, member in pairs:
-            names = {"variableName": _form(name, flat), "memberName": _form(member, flat), "variableKind": "signal"}
+            names = {"variableName": form(name), "memberName": form(member), "variableKind": "signal"}
             Xml.SubElement(terminal, "TerminalMemberVariable", names)
     return root
-
-
-def _names(variable: Variable, fmi: int) -> Iterator[str]:
-    if fmi == 2:
-        yield from (name for name, _ in variable.elements())
-    else:
-        yield variable.name()
 
 
 def _part_of(name: str) -> Part | None:
@@ -62,7 +52,3 @@ def _part_of(name: str) -> Part | None:
     if found and isinstance(found.instance, Cell):
         return Part("sensor", found.instance.name)
     return found.instance if found and isinstance(found.instance, Part) else None
-
-
-def _form(name: str, flat: bool) -> str:
-    return flat_form(name) if flat else name

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from softffd.installed import table
-from softffd.lattice import all_points
+from softffd.lattice import all_points, point_at
 from softffd.names import LARGEST, PROBED, Cell, Instance, flat_form, variable_name
 
 if TYPE_CHECKING:
@@ -131,11 +131,6 @@ def _instance(words: Words) -> Instance:
     return words.get("cell", words.get("part", words.get("name")))
 
 
-def _point(scene: Scene, p: int) -> dict[str, Any]:
-    nx, ny, _ = scene.lattice.points
-    return {"i": p % nx, "j": p // nx % ny, "k": p // nx // ny}
-
-
 def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
     from softffd.scene.rigid import Box, Plane, Sphere  # brings pydantic along, which those who have an FMU do without
 
@@ -159,11 +154,6 @@ def _free(body: Sphere | Cylinder | Box | Pin, mass: float) -> Words:
     return {"body": body.part, "mass": mass, "guided": body.guide is not None}
 
 
-def _pin(scene: Scene, pin: Pin) -> dict[str, Any]:
-    position, orientation = scene.pin_start(pin)
-    return {"name": pin.name, "position": position, "orientation": orientation, "inputs": pin.input_components()}
-
-
 def _bodies(rigid: list[Words], *, turning: bool = False) -> list[Words]:
     """Of obstacles or pins the free ones. turning: those without a guide alone."""
     return [each for each in rigid if "body" in each and not (turning and each["guided"])]
@@ -173,13 +163,15 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     """The instances of every part that a family can belong to, each with the values that fill its names and starts."""
 
     def points(selection: Selection) -> list[dict[str, Any]]:
-        return [_point(scene, int(p)) for p in scene.select(selection)]
+        return [dict(zip("ijk", point_at(int(p), scene.lattice.points), strict=True)) for p in scene.select(selection)]
 
     def when(present: bool, **values: Any) -> list[dict[str, Any]]:
         return [values] if present else []
 
     planes, pins = scene.obstacles, scene.pin
-    surfaces, frames = [_plane(plane) for plane in planes], [_pin(scene, pin) for pin in pins if pin.motion == "input"]
+    surfaces, led_pins = [_plane(plane) for plane in planes], [pin for pin in pins if pin.motion == "input"]
+    starts = [dict(zip(("position", "orientation"), scene.pin_start(pin), strict=True)) for pin in led_pins]
+    frames = [start | {"name": pin.name, "inputs": pin.input_components()} for pin, start in zip(led_pins, starts, strict=True)]
     held = [{"part": pin.part, "name": pin.name} | (_free(pin, pin.mass) if pin.motion == "free" and pin.mass else {}) for pin in pins]
     free, turning = _bodies(surfaces), _bodies(surfaces, turning=True)
     free_pins, turning_pins = _bodies(held), _bodies(held, turning=True)
@@ -261,7 +253,10 @@ def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
         found.append(Variable(family, tuple(instances), components, shape, reference, start, nominal))
         counts[family["key"]] += found[-1].count
 
-    for families in _families_of_one_name():
+    of_one_name: dict[str, list[dict[str, Any]]] = {}
+    for family in table()["family"]:
+        of_one_name.setdefault(family["name"], []).append(family)
+    for families in of_one_name.values():
         instances, components = present[families[0]["part"]], families[0].get("components", "")
         if families[0]["part"] in OF_POINTS:
             if instances:
@@ -287,14 +282,6 @@ def _value_in(family: dict[str, Any], key: str, words: Words, component: int) ->
     given = family.get(key)
     value = words[given] if isinstance(given, str) else given
     return value[component] if isinstance(value, tuple | list) else value
-
-
-def _families_of_one_name() -> list[list[dict[str, Any]]]:
-    """The families of the table, in its order, those that share their name together."""
-    groups: dict[str, list[dict[str, Any]]] = {}
-    for family in table()["family"]:
-        groups.setdefault(family["name"], []).append(family)
-    return list(groups.values())
 
 
 def _owner(families: list[dict[str, Any]], words: Words, component: str) -> dict[str, Any]:

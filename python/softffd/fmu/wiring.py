@@ -205,7 +205,8 @@ class Wiring:
             if wanted is None or not other.variable.unit or (end.unit == other.unit and end.variable.causality == wanted):
                 continue
             ends = (End(end.element, each) for each in end.element.interface.variables.values() if each.causality == wanted)
-            names = dict.fromkeys(_family(each.variable.name) for each in ends if each.unit == other.unit)
+            fitting = [each.variable.name for each in ends if each.unit == other.unit]
+            names = dict.fromkeys(stem(name) if parse_name(name) else next(iter(vectors_in([name])), name) for name in fitting)
             if names:
                 found.append(f"; {wanted}s of {end.element.name} in {other.variable.unit}: {', '.join(list(names)[:MOST_NAMES])}")
         return "".join(found)
@@ -247,11 +248,6 @@ def _problem_of(connection: Connection) -> str | None:
     if not converted and source.variable.unit and target.variable.unit and source.unit != target.unit:
         return f"{ends}: wanted one unit or a factor from one to the other, got {source.variable.unit} and {target.variable.unit}"
     return None
-
-
-def _family(name: str) -> str:
-    """The vector, of control points that of all of them: position[i,j,k]."""
-    return stem(name) if parse_name(name) else next(iter(vectors_in([name])), name)
 
 
 def _kind(variable: ScalarVariable) -> str:

@@ -57,7 +57,9 @@ def reference_files(scene: Scene, *, progress: Callable[[float, float], None] | 
     errors = {name: float(np.abs(column - others[name]).max()) for name, column in outputs.items()}
     rows = [(name, unit_of(name), f"{error:.3g}") for name, error in errors.items()]
     texts = {"results.csv": _csv(result.time, outputs), "errors.csv": table_text(["name", "unit", "largest_difference"], rows)}
-    if inputs := _driven(scene, result):
+    source = Inputs(scene.default_inputs)  # the scene's own file, and the velocities that follow from it
+    given = {*source.names, *source.derived_names}
+    if inputs := {name: column for name, column in result.inputs.items() if structured(name) in given}:
         texts["inputs.csv"] = _csv(result.time, inputs)
     about = _about(scene, errors)
     files = {f"{FOLDER}/{name}": text.encode() for name, text in sorted(texts.items())}
@@ -72,13 +74,6 @@ def _outputs(result: Result) -> dict[str, np.ndarray]:
         if min(last) >= 0 and np.isfinite(result.positions[:, *corner]).all():
             columns |= dict(zip(variable_names("position", [corner], flat=result.flat_names), result.positions[:, *corner].T, strict=True))
     return columns
-
-
-def _driven(scene: Scene, result: Result) -> dict[str, np.ndarray]:
-    """The inputs that the scene's own file gives, and the velocities that follow from them."""
-    source = Inputs(scene.default_inputs)
-    given = {*source.names, *source.derived_names}
-    return {name: column for name, column in result.inputs.items() if structured(name) in given}
 
 
 def _csv(time: np.ndarray, columns: Mapping[str, np.ndarray]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Union
@@ -14,7 +14,6 @@ import numpy as np
 from softffd.errors import FmuError, SoftffdError
 from softffd.fmu.archive import require_no_bomb
 from softffd.fmu.component import Component
-from softffd.fmu.interface import ScalarVariable
 from softffd.fmu.ssp import KEPT, START
 from softffd.run.inputs import Inputs
 from softffd.run.progress import Note, silent
@@ -49,11 +48,16 @@ def replay(scene_or_fmu: Scene | str | Path, rows: Rows, component: str, **optio
     table = _table(rows)
     with Simulation(scene_or_fmu) as opened:
         inputs = {name: each for name, each in opened.variables.items() if each.causality == "input"}
-    if "time" in _columns(table) and not _led(table, component, inputs):
-        others = sorted({each.partition(".")[0] for each in _columns(table)} - {"time"})
+    if not _led(table, component, inputs):
+        others = sorted({each.partition(".")[0] for each in table.dtype.names or ()} - {"time"})
         raise FmuError(f"rows: wanted columns {component}.VARIABLE of its inputs, got none; there are columns of {', '.join(others)}")
     times = _times(table)
-    return _at(times, scene_or_fmu, inputs=_inputs(table, times, component, inputs), **options)
+    held = {"time": times}
+    held |= {name: np.append(0.0, table[f"{component}.{name}"]) for name in inputs if f"{component}.{name}" in (table.dtype.names or ())}
+    for name in Inputs(structured_array(held), float(times[0])).derived_names:  # nobody gave them: they keep what they start from
+        if name in inputs:
+            held[name] = np.full(len(times), float(inputs[name].start or 0))
+    return _at(times, scene_or_fmu, inputs=structured_array(held), **options)
 
 
 def _at(times: np.ndarray, scene_or_fmu: Scene | str | Path, **options: Any) -> Result:
@@ -110,34 +114,20 @@ def _components_of(system: Path) -> dict[str, tuple[bytes, dict[str, Any], KeptS
     return found
 
 
-def _table(rows: Rows) -> Any:
-    return read_csv(Path(rows)) if isinstance(rows, str | Path) else table_of(rows) if is_data_frame(rows) else rows
-
-
-def _times(table: Any) -> np.ndarray:
-    """The communication points, from the begin of the first step to the end of the last."""
-    if "time" not in _columns(table) or len(table) < 2:
+def _table(rows: Rows) -> np.ndarray:
+    table: Any = read_csv(Path(rows)) if isinstance(rows, str | Path) else table_of(rows) if is_data_frame(rows) else rows
+    if "time" not in (getattr(getattr(table, "dtype", None), "names", None) or ()) or len(table) < 2:
         raise FmuError("rows: wanted what fmpy's simulate_ssp returns, a structured array with a field `time` and at least two rows")
+    return table
+
+
+def _times(table: np.ndarray) -> np.ndarray:
+    """The communication points, from the begin of the first step to the end of the last."""
     steps = np.diff(table["time"])
     if not np.allclose(steps, steps[0], rtol=1e-6, atol=0) or steps[0] <= 0:
         raise FmuError(f"rows: wanted equal steps of time, got some of {min(steps):g} s and some of {max(steps):g} s")
     return np.asarray(float(table["time"][0]) + steps.mean() * np.arange(len(table) + 1))
 
 
-def _columns(table: Any) -> Sequence[str]:
-    return getattr(getattr(table, "dtype", None), "names", None) or ()
-
-
-def _led(table: Any, component: str, inputs: Iterable[str]) -> bool:
-    """Whether the rows have some of a component's inputs."""
-    return any(f"{component}.{name}" in _columns(table) for name in inputs)
-
-
-def _inputs(table: Any, times: np.ndarray, component: str, inputs: dict[str, ScalarVariable]) -> np.ndarray:
-    """Inputs as `simulate` takes them."""
-    columns = _columns(table)
-    held = {"time": times} | {name: np.append(0.0, table[f"{component}.{name}"]) for name in inputs if f"{component}.{name}" in columns}
-    for name in Inputs(structured_array(held), float(times[0])).derived_names:  # nobody gave them: they keep what they start from
-        if name in inputs:
-            held[name] = np.full(len(times), float(inputs[name].start or 0))
-    return structured_array(held)
+def _led(table: np.ndarray, component: str, inputs: Iterable[str]) -> bool:
+    return any(f"{component}.{name}" in (table.dtype.names or ()) for name in inputs)

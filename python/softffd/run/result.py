@@ -230,7 +230,6 @@ class Result:
         return variable_name("body_mass", self._part(name)) in self.parameters
 
     def _axes(self, name: str) -> np.ndarray:
-        """A free body's own axes over time, in columns (T, 3, 3)."""
         return matrices(self._of_body("orientation", name))
 
     def _of_body(self, what: str, name: str) -> np.ndarray:

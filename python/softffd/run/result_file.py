@@ -112,12 +112,9 @@ def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
         raise SoftffdError(f"{shown(path)}: written by {by}, whose results this one, {__version__}, cannot read yet")
     try:
         header = _read_header(said)
-        fields: dict[str, Any] = {
-            "time": arrays["time"],
-            "positions": arrays["positions"],
-            "outputs": {name: arrays[_entry(name)] for name in header.outputs},
-            "inputs": dict(zip(header.inputs, arrays["inputs"].T, strict=True)),
-        }
+        outputs = {name: arrays[_entry(name)] for name in header.outputs}
+        inputs = dict(zip(header.inputs, arrays["inputs"].T, strict=True))
+        fields: dict[str, Any] = {"time": arrays["time"], "positions": arrays["positions"], "outputs": outputs, "inputs": inputs}
         _require_one_run(header, **fields)
     except (KeyError, TypeError, *UNREADABLE) as fault:
         raise damaged(path, "result", fault) from None

@@ -99,16 +99,10 @@ def simulate(
         times = run.times[: run.done + 1]
         simulated = float(times[-1] - times[0])
         summary = {
-            "title": component.interface.title,
-            "simulated_time_s": simulated,
-            "run_time_s": elapsed,
-            "cpu_time_s": elapsed_cpu,
-            "real_time_factor": simulated / elapsed if elapsed > 0 else math.inf,
-            "communication_step_s": step,
-            "communication_steps": run.done,
-            "methods": shares(run.changes, times),
-            "warnings": simulation.warnings,
-        }
+            "title": component.interface.title, "simulated_time_s": simulated, "run_time_s": elapsed, "cpu_time_s": elapsed_cpu,
+            "real_time_factor": simulated / elapsed if elapsed > 0 else math.inf, "communication_step_s": step,
+            "communication_steps": run.done, "methods": shares(run.changes, times), "warnings": simulation.warnings,
+        }  # fmt: skip
         if not whole:
             raise Interrupted(run.result(summary | {"interrupted_before_s": stop_time}, starts, scene))
         return run.result(summary, starts, scene)
@@ -206,7 +200,6 @@ class _Run(Drive):
 
 
 def _starts(component: Component) -> dict[str, float]:
-    """The numbers of inputs and parameters by name, in the order of the FMU."""
     blocks = [component.block_of(component.variables(causality, kind)) for causality in ("input", "parameter") for kind in NUMBERS]
     values = {name: value for block in blocks for name, value in zip(block.names, block.get().tolist(), strict=True)}
     return {name: values[name] for name in component.by_name if name in values}

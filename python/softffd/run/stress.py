@@ -84,14 +84,10 @@ def gradients(positions: np.ndarray, sides: np.ndarray) -> np.ndarray:
     for axis in range(3):
         found = np.diff(positions, axis=axis - 4) / sides[axis]
         for other in {0, 1, 2} - {axis}:
-            found = (_but(found, other, last=True) + _but(found, other, last=False)) / 2
+            layers = np.moveaxis(found, other - 4, 0)
+            found = np.moveaxis((layers[:-1] + layers[1:]) / 2, 0, other - 4)
         columns.append(found)
     return np.stack(columns, axis=-1)
-
-
-def _but(grid: np.ndarray, axis: int, *, last: bool) -> np.ndarray:
-    """A grid (..., nx, ny, nz, c) without the last or the first layer along an axis."""
-    return np.moveaxis(np.moveaxis(grid, axis - 4, 0)[slice(None, -1) if last else slice(1, None)], 0, axis - 4)
 
 
 def green_strain(gradient: np.ndarray) -> np.ndarray:
@@ -131,7 +127,7 @@ def solid_stress(positions: np.ndarray, size: Sequence[float], modulus: float, r
     gradient = patch_gradients(positions, size)
     change = np.linalg.det(gradient)
     at_nodes = np.linalg.det(_gradients(positions, size, PLACES))[..., None] - 1
-    projected = along_axes(at_nodes, [_blocks(_projection(), n // 3) for n in positions.shape[-4:-1]])[..., 0]
+    projected = along_axes(at_nodes, [np.kron(np.eye(n // 3), _projection()) for n in positions.shape[-4:-1]])[..., 0]
     pressure = mu * (change - 2) + lame * projected - lame * np.maximum(FOLDING - change, 0) ** 2 / FOLDING
     stretched = gradient @ np.swapaxes(gradient, -1, -2)
     whole = np.where(change > 0, change, np.nan)[..., None, None]
@@ -165,8 +161,3 @@ def _patches(rows: np.ndarray, n: int) -> np.ndarray:
     for patch in range(n // 3):
         found[patch, :, 3 * patch : 3 * patch + 4] = rows
     return found.reshape(-1, n)
-
-
-def _blocks(rows: np.ndarray, patches: int) -> np.ndarray:
-    """The same for values that each patch has of its own."""
-    return np.kron(np.eye(patches), rows)

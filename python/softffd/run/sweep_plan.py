@@ -120,7 +120,6 @@ def plan_of(
 
 
 def _varied(component: Component, vary: Mapping[str, Iterable[Any]], driven: Sequence[str], where: str) -> dict[str, list[Any]]:
-    """The values by the FMU's own names."""
     if not isinstance(vary, Mapping) or not vary:
         raise FmuError(f"vary: wanted values by name, such as {{'stiffness.edge': [1e3, 2e3]}}, got {vary!r:.70}")
     found: dict[str, list[Any]] = {}
@@ -155,7 +154,6 @@ def _listed(name: str, values: Iterable[Any]) -> list[Any]:
 
 
 def _readings(component: Component, outputs: Iterable[str] | str | None) -> tuple[Reading, ...]:
-    """Those asked for; by default all outputs but those at control points."""
     every = component.numbers("output")
     if outputs is None:
         outputs = [name for name in every if not at_point(name)]

@@ -130,7 +130,6 @@ def _needs_mesh(draft: Draft, key: str, *, closed: bool, instead: str, section: 
 
 
 def _inertia(draft: Draft) -> Iterator[Fault]:
-    """Masses that match the object's inertia are chosen for the whole lattice."""
     if draft.keys.mass.inertia == "lumped" or draft.keys.material.model == "solid":
         return
     if draft.counts and min(draft.counts) < 3:
@@ -196,7 +195,6 @@ def _span(*corners: Sequence[float] | np.ndarray) -> str:
 
 
 def _contact(draft: Draft) -> Iterator[Fault]:
-    """Contact of the surface needs a mesh, and a method that supports it."""
     keys, contact, method = draft.keys, draft.keys.contact, draft.keys.solver.method
     if not draft.sound("contact", "of"):
         return
@@ -215,7 +213,6 @@ def _contact(draft: Draft) -> Iterator[Fault]:
 
 
 def _sensors(draft: Draft) -> Iterator[Fault]:
-    """A patch that is there, and something that may touch it."""
     keys = draft.keys
     for position, sensor in enumerate(keys.sensor):
         if not keys.obstacles and draft.sound("plane"):
@@ -239,7 +236,6 @@ def _of_surface(draft: Draft, sensor: Sensor) -> str | None:
 
 
 def _of_lattice(draft: Draft, sensor: Sensor) -> str | None:
-    """Of the control points, or of the nodes of a solid."""
     if isinstance(sensor.on, str):
         near = did_you_mean(nearest_of(sensor.on, FACES))
         text = f'a face such as "z-" or {{ box = }} with contact.of = "lattice", got {toml_text(sensor.on)}{near}'

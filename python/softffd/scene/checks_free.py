@@ -67,7 +67,6 @@ def _idle(path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
 
 
 def _masses(draft: Draft, path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
-    """One mass that double precision has."""
     density = getattr(item, "density", None)
     ways = "mass" if isinstance(item, Pin) else "mass or density"
     if item.mass is not None and density is not None:
@@ -93,7 +92,6 @@ def _inertia(draft: Draft, path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
 
 
 def _guide(path: KeyPath, item: Solid | Pin) -> Iterator[Fault]:
-    """A body on a guide starts along it."""
     if item.guide is None or isinstance(item, Pin):
         return
     if any(item.angular_velocity):

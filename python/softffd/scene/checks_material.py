@@ -145,7 +145,6 @@ def _foreign(draft: Draft, table: dict[tuple[str, str], str], model: str) -> Ite
 
 
 def _foreign_in(draft: Draft, section: str, table: dict[str, str], model: str) -> Iterator[Fault]:
-    """The same of the entries of a list."""
     for number, entry in enumerate(getattr(draft.keys, section)):
         for key, instead in table.items():
             if (value := getattr(entry, key)) is not None and value is not False:
@@ -153,7 +152,6 @@ def _foreign_in(draft: Draft, section: str, table: dict[str, str], model: str) -
 
 
 def _given(draft: Draft, section: str, key: str) -> Any:
-    """What a scene says; None where it does not."""
     table = getattr(draft.keys, section)
     return getattr(table, key) if key in table.model_fields_set else None
 
@@ -164,7 +162,6 @@ def _none_beside(model: str, value: Any, instead: str) -> str:
 
 
 def _words(draft: Draft) -> Iterator[Fault]:
-    """Of those that a key may have, a solid has some."""
     keys = draft.keys
     one = draft.counts and max(draft.counts) <= PATCH + 1  # patch, which is a Bezier volume
     bases = ("bezier", "patches") if one else ("patches",)
@@ -187,7 +184,6 @@ def _density(draft: Draft) -> Iterator[Fault]:
 
 
 def _lattice(draft: Draft) -> Iterator[Fault]:
-    """Whole patches, none too slender."""
     counts = draft.counts
     if counts and any((count - 1) % PATCH for count in counts):
         nearest = [PATCH * min(max(1, round((count - 1) / PATCH)), MOST // PATCH) + 1 for count in counts]

@@ -5,6 +5,7 @@ This is the first of two passes; `checks` looks at what holds between the keys t
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from operator import eq
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ class Draft:
 
     def sound(self, *path: str | int) -> bool:
         """Whether neither the value at `path` nor a part of it nor a table around it is at fault."""
-        return not any(_overlap(place, path) for fault in self.faults for place in (fault.path, fault.meant) if place)
+        return not any(all(map(eq, place, path)) for fault in self.faults for place in (fault.path, fault.meant) if place)
 
     @property
     def box_is_given(self) -> bool:
@@ -92,13 +93,7 @@ def plain(value: Any) -> Any:
     return [plain(entry) for entry in value] if isinstance(value, Iterable) and not isinstance(value, str | bytes) else value
 
 
-def _overlap(one: KeyPath, other: KeyPath) -> bool:
-    shorter = min(len(one), len(other))
-    return one[:shorter] == other[:shorter]
-
-
 def _sound_part(document: dict[str, Any], draft: Draft) -> dict[str, Any]:
-    """The document without keys at fault."""
     wrong = {fault.path for fault in draft.faults}
 
     def part_of(section: type[BaseModel], table: Any, path: KeyPath) -> dict[str, Any]:
@@ -171,7 +166,6 @@ def _material(material: Material) -> Material:
 
 
 def _mass(mass: Mass, mesh: Mesh | None, material: Material) -> Mass:
-    """The total or the density, and how it is spread."""
     if mass.density is None and mass.total is None:
         of_solid = material.model == "solid" and material.density is not None
         mass = mass.filled(density=material.density) if of_solid else mass.filled(total=1.0)
@@ -183,7 +177,6 @@ def _mass(mass: Mass, mesh: Mesh | None, material: Material) -> Mass:
 
 
 def _contact(keys: SceneKeys) -> Contact:
-    """Of the surface, where there is one that the method knows."""
     if "of" in keys.contact.model_fields_set or keys.mesh is None or keys.solver.method not in MEETING:
         return keys.contact
     return keys.contact.filled(of="surface")

@@ -125,7 +125,8 @@ def _unknown_key(path: KeyPath, model: type[BaseModel], missing: set[KeyPath]) -
     if nearest := nearest_of(str(path[-1]), _keys_at(model, path[:-1])):
         meant = (*path[:-1], nearest)
         return Fault(path, f"unknown key{did_you_mean(nearest)}", meant if meant in missing else None)
-    homes = [_head(name, model) for name in model.model_fields if path[-1] in _keys_at(model, (name,))]
+    several = {name: get_origin(field.annotation) is tuple for name, field in model.model_fields.items()}
+    homes = [f"[[{name}]]" if several[name] else f"[{name}]" for name in several if path[-1] in _keys_at(model, (name,))]
     if homes:
         return Fault(path, f"unknown key here; it belongs in {' or '.join(homes)}")
     return Fault(path, f"unknown key, wanted {either(_keys_at(model, path[:-1]))}")
@@ -138,11 +139,6 @@ def _keys_at(model: type[BaseModel], path: KeyPath) -> list[str]:
     return list(table.model_fields) if table else []
 
 
-def _head(name: str, model: type[BaseModel]) -> str:
-    """How a section's head is written: [lattice], [[plane]]."""
-    return f"[[{name}]]" if get_origin(model.model_fields[name].annotation) is tuple else f"[{name}]"
-
-
 def _wanted(entry: Mapping[str, Any], field: FieldInfo | None, path: KeyPath) -> str:
     kind, context = entry["type"], entry.get("ctx", {})
     if kind == "missing" and field:
@@ -153,19 +149,14 @@ def _wanted(entry: Mapping[str, Any], field: FieldInfo | None, path: KeyPath) ->
         return f"tables, each under a head [[{path_text(path)}]] in double brackets"
     if kind in ("model_type", "model_attributes_type"):
         return f"one table under the head [{path[0]}] in single brackets" if len(path) == 1 else "a table"
-    unit = _unit(field).replace("1", "")
+    extra = field.json_schema_extra if field else None
+    unit = str(extra.get("unit", "")).replace("1", "") if isinstance(extra, dict) else ""
     for bound in SIGNS.keys() & context.keys():
         return f"{SIGNS[bound]} {context[bound]:g} {unit}".rstrip()
     return KINDS.get(kind, entry["msg"]) + (f" ({unit})" if unit else "")
 
 
-def _unit(field: FieldInfo | None) -> str:
-    extra = field.json_schema_extra if field else None
-    return str(extra.get("unit", "1")) if isinstance(extra, dict) else "1"
-
-
 def _words(annotation: Any) -> list[str]:
-    """The words that a type takes, also where they are one arm of a union."""
     if isinstance(annotation, str):
         return [annotation]
     return [word for part in get_args(annotation) for word in _words(part)]

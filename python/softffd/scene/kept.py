@@ -67,5 +67,4 @@ def _mesh_file(name: str, folder: Path) -> Path | None:
 
 
 def _fingerprint(mesh: Mesh) -> str:
-    """Of vertices and faces."""
     return hashlib.sha256(mesh.vertices.astype("<f8").tobytes() + mesh.faces.astype("<i8").tobytes()).hexdigest()

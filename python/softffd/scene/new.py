@@ -102,7 +102,6 @@ def _physics(mesh: Mesh, density: float) -> dict[str, str]:
 
 
 def _mass(mesh: Mesh, density: float) -> tuple[str, float, str]:
-    """How the mass is spread, how much it is [kg], and why."""
     low, high = mesh.bounds
     try:
         masses = point_masses("volume", counts=(4, 4, 4), origin=low, size=high - low, mesh=mesh, density=density)

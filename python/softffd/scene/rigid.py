@@ -21,7 +21,6 @@ PIN_POSE = {"position": "xyz", "orientation": "wxyz", "velocity": "xyz", "angula
 
 
 def _pose_words(pose: dict[str, str]) -> list[str]:
-    """Names of the vectors, each followed by its components."""
     return [word for vector, components in pose.items() for word in (vector, *(f"{vector}.{each}" for each in components))]
 
 
@@ -50,7 +49,6 @@ PinInputs = Annotated[tuple[str, ...], _chosen_of(PIN_POSE), _chosen_schema(PIN_
 
 
 def _inputs(pose: dict[str, str], *, of: str = "", example: str = "") -> Any:
-    """The key that chooses them."""
     vectors = ", ".join(f"`{vector}`" for vector in pose)
     what = f"which of {vectors}{of} are inputs, or single components{example}"
     return key((next(iter(pose)), "velocity"), f"{what}; the rest are parameters, which hold at every communication point")

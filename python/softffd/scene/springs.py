@@ -88,7 +88,6 @@ def _outer(shape: tuple[int, ...], way: Way) -> np.ndarray:
 
 
 def _shared(springs: np.ndarray, way: Way) -> np.ndarray:
-    """What the cells have of springs along a way."""
     springs = springs / 2.0 ** (len(_across(way)) - _outer(springs.shape, way))
     for axis in _across(way):
         layers = np.moveaxis(springs, axis, 0)
