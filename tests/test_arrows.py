@@ -24,7 +24,7 @@ PYTHON_ROOMS = [
 ]
 """The shipped scenes are data, and the package's own __init__ knows everybody."""
 
-ASKED = (("softffd.run.result", "softffd.run.sweep_table"), ("softffd.show.", "softffd.export."))
+ASKED = (("softffd.run.result", "softffd.run.sweep"), ("softffd.show.", "softffd.export."))
 """The places that look up: pictures and page of results and sweeps are drawn when they are asked for, by the room that stands on them."""
 
 

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from softffd.run.result import Result
     from softffd.run.simulate import simulate
     from softffd.run.simulation import Simulation
-    from softffd.run.sweep import sweep
-    from softffd.run.sweep_table import Sweep
+    from softffd.run.sweep import Sweep, sweep
     from softffd.scene.scene import Scene, load_scene
 
 __version__ = "0.1.0"
@@ -29,7 +28,7 @@ HOMES = {
     "embedding.deform": ["deform"], "errors": ["FmuError", "MeshError", "SceneError", "SoftffdError"], "fitting.fit": ["fit"],
     "fitting.result": ["Fit"], "fmu.package": ["package_fmu"], "fmu.ssp": ["write_ssp"], "mesh.files": ["load_mesh", "save_mesh"],
     "run.replay": ["replay"], "run.result": ["Result"], "run.simulate": ["simulate"], "run.simulation": ["Simulation"],
-    "run.sweep": ["sweep"], "run.sweep_table": ["Sweep"], "scene.scene": ["Scene", "load_scene"],
+    "run.sweep": ["Sweep", "sweep"], "scene.scene": ["Scene", "load_scene"],
 }  # fmt: skip
 """The public names by their module, which is imported when one is asked for: numpy, pydantic and fmpy take most of a second."""
 

@@ -78,9 +78,11 @@ class Experiment:
 
 def experiment_of(
     scene_or_fmu: Scene | str | Path, folder: Path, data: Data, match: str, vary: Mapping[str, Any], against: str | None, recorded: bool,
-    inputs: Source | None, stop_time: float | None, step: float | None, start_values: Mapping[str, Any] | None, settings: Mapping[str, Any],
+    inputs: Source | None, *, stop_time: float | None, step: float | None, **how: Any,
 ) -> tuple[Experiment, list[Parameter]]:  # fmt: skip
-    """An experiment and its parameters, everything checked; see `fit`. folder: a temporary one for the FMU of a scene."""
+    """An experiment and its parameters, everything checked; see `fit`.
+
+    folder: a temporary one for the FMU of a scene. how: start values, tolerance, method."""
     what = run_source(scene_or_fmu, "fit")
     driven = inputs is not None and not (isinstance(inputs, Mapping) and not inputs)
     if inputs is None and not isinstance(what, Path):
@@ -112,7 +114,7 @@ def experiment_of(
         stop_time = _stop_time(columns, stop_time, default_step if step is None else step)
     readings = [match] if against is None or is_input else [match, against]
     starts = {parameter.name: [parameter.start] for parameter in parameters}
-    plan = plan_of(file, starts, readings, stop_time, step, start_values, inputs, settings)
+    plan = plan_of(file, starts, readings, stop_time=stop_time, step=step, inputs=inputs, **how)
     points = Points(**{**vars(plan), "readings": tuple(Reading(COURSE, each.name) for each in plan.readings)})
     over = None if against is None else OverAnother(against, at)
     course = _course(inputs, against, points) if against and is_input else None

@@ -88,12 +88,13 @@ def fit(
     """
     optimize = package("scipy.optimize", "fit", "fit")
     require_workers(jobs, executor)
-    settings = {key: value for key, value in (("tolerance", tolerance), ("method", method)) if value is not None}
     scenes, tests = _paired(scene_or_fmu, data)
     vary = vary if isinstance(vary, Mapping) else dict.fromkeys([vary] if isinstance(vary, str) else vary)
     with TemporaryDirectory(prefix="softffd-") as folder, runner(jobs or 1, executor) as make:
-        how = match, vary, against, recorded, inputs, stop_time, step, start_values, settings
-        made = [experiment_of(what, Path(folder) / str(n), one, *how) for n, (what, one) in enumerate(zip(scenes, tests, strict=True))]
+        how: dict[str, Any] = {"stop_time": stop_time, "step": step, "start_values": start_values, "tolerance": tolerance, "method": method}
+        asked = match, vary, against, recorded, inputs
+        named = [(str(n), what, one) for n, (what, one) in enumerate(zip(scenes, tests, strict=True))]
+        made = [experiment_of(what, Path(folder) / n, one, *asked, **how) for n, what, one in named]
         experiments, parameters = [experiment for experiment, _ in made], made[0][1]
         rows = sum(len(each.measured) for each in experiments)
         if rows <= len(parameters):

@@ -36,7 +36,7 @@ def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step
     for pose, (velocity, rate) in RATES.items():
         for part in (part for family, part in parts if family == pose):
             given, wanted = vector_names(pose, part), vector_names(velocity, part)
-            if any(name in now for name in wanted) or (pose in TURNING and not all(name in now for name in given)):
+            if any(name in now for name in wanted) or (rate is not SHIFT and not all(name in now for name in given)):
                 continue
             first = np.array([now.get(name, 0.0) for name in given])
             last = np.array([then[name] if name in now else 0.0 for name in given])
@@ -45,15 +45,15 @@ def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step
 
 
 Rate = Callable[[np.ndarray, np.ndarray], np.ndarray]
+SHIFT: Rate = lambda first, last: last - first  # noqa: E731
 RATES: dict[str, tuple[str, Rate]] = {
-    "plane_point": ("plane_velocity", lambda first, last: last - first),
-    "pin_position": ("pin_velocity", lambda first, last: last - first),
+    "plane_point": ("plane_velocity", SHIFT),
+    "pin_position": ("pin_velocity", SHIFT),
     "plane_normal": ("plane_angular_velocity", between_directions),
     "plane_rotation": ("plane_angular_velocity", lambda first, last: between_orientations(quaternion(first), quaternion(last))),
     "pin_orientation": ("pin_angular_velocity", between_orientations),
 }
 """Families of poses: the velocity that follows from each, and how"""
-TURNING = ("plane_normal", "plane_rotation", "pin_orientation")
 
 
 Source = Union[Callable[[float], Mapping[str, Any]], Mapping[str, Any], np.ndarray, "pd.DataFrame", str, Path]
@@ -81,11 +81,12 @@ class Inputs:
 
     def __init__(self, source: Source | None, start_time: float = 0.0):
         """start_time: of the run [s]. FmuError where the source is none of these or its values cannot be used."""
+        source = {} if source is None else source
         self._start = start_time
         self.where = f"{shown(Path(source))}: " if isinstance(source, str | Path) else "inputs: "
         """How messages about the source begin"""
         self._is_file = isinstance(source, str | Path)
-        self.is_function, self._steady = callable(source), source is None or isinstance(source, Mapping)
+        self.is_function, self._steady = callable(source), isinstance(source, Mapping)
         self._held: set[str] = set()
         self._at, self.names = _course(source, self.where, start_time, self._held)
         self.tuned: dict[str, ScalarVariable] = {}
@@ -203,10 +204,8 @@ Course = Callable[[Any, bool], Mapping[str, Any]]
 """Values by name at a time [s], for what ends there or for what begins there; a table's at many times too."""
 
 
-def _course(source: Source | None, where: str, start: float, held: set[str]) -> tuple[Course, list[str]]:
+def _course(source: Source, where: str, start: float, held: set[str]) -> tuple[Course, list[str]]:
     """The course of a source, and the names in its order. held: what a table holds between its rows."""
-    if source is None:
-        return lambda time, ends: {}, []
     if callable(source):
         return _of_function(source, where, start)
     if isinstance(source, Mapping):
@@ -214,10 +213,8 @@ def _course(source: Source | None, where: str, start: float, held: set[str]) -> 
         return _of_function(lambda time: numbers, where, start)
     if isinstance(source, str | Path):
         return _of_table(read_csv(Path(source)), where, held)
-    if isinstance(source, np.ndarray):
-        return _of_table(_checked(source), where, held)
-    if is_data_frame(source):
-        return _of_table(_checked(table_of(source)), where, held)
+    if is_data_frame(source) or isinstance(source, np.ndarray):
+        return _of_table(_checked(table_of(source) if is_data_frame(source) else source), where, held)
     wanted = "a function of time, a dict of constants, a structured array, a DataFrame or a CSV file"
     raise FmuError(f"{where}wanted {wanted}, got {type(source).__name__}: {source!r:.70}")
 

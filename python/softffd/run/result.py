@@ -298,27 +298,19 @@ class Result:
         plot(x="plane.press.point.z", y="plane.press.reaction.z").
         Returns matplotlib's Figure. UnknownName with the nearest name; SoftffdError where the picture needs positions that were not
         recorded."""
-        from softffd.show.figure import png_of
         from softffd.show.picture import curve_picture, run_picture
 
         if (x != "time" and not y) or ((colour or lattice is not None) and y):
             raise SoftffdError("plot: wanted x with y, and colour and lattice without them")
-        figure = curve_picture(self, x=x, y=y) if y else run_picture(self, colour=colour, lattice=lattice)
-        if path is not None:
-            write_bytes(path, png_of(figure))
-        return figure
+        return _kept_at(path, curve_picture(self, x=x, y=y) if y else run_picture(self, colour=colour, lattice=lattice))
 
     def plot_taxels(self, name: str, path: str | Path | None = None) -> Figure:
         """The contact pressure on the taxels of a sensor: maps of the grid when half of the largest force is reached, at the largest
         pressure, at the largest force, and at the end where that is pressed; the largest and the mean over time; written to `path` (PNG)
         where one is given. Returns matplotlib's Figure. SoftffdError as in `taxel_pressure`."""
-        from softffd.show.figure import png_of
         from softffd.show.taxels import taxel_picture
 
-        figure = taxel_picture(self, name)
-        if path is not None:
-            write_bytes(path, png_of(figure))
-        return figure
+        return _kept_at(path, taxel_picture(self, name))
 
     def view(self, path: str | Path | None = None, *, browser: bool = True) -> Path:
         """Writes the interactive page to `path`, by default a temporary file, and opens it in the browser. Returns the page's path.
@@ -361,3 +353,11 @@ class Result:
             return f"{words}{picture}<p>The interactive page is large: <code>view()</code> opens it in the browser.</p>"
         frame = f'<iframe loading="lazy" style="width: 100%; height: 36rem; border: 0" srcdoc="{html.escape(page)}"></iframe>'
         return f"{words}{picture}<details><summary>interactive page</summary>{frame}</details>"
+
+
+def _kept_at(path: str | Path | None, figure: Figure) -> Figure:
+    from softffd.show.figure import png_of
+
+    if path is not None:
+        write_bytes(path, png_of(figure))
+    return figure

@@ -80,10 +80,11 @@ class Plan:
 
 
 def plan_of(
-    scene_or_fmu: Scene | str | Path, vary: Mapping[str, Iterable[Any]], outputs: Iterable[str] | str | None, stop_time: float | None,
-    step: float | None, start_values: Mapping[str, Any] | None, inputs: Source | None, settings: Mapping[str, Any],
+    scene_or_fmu: Scene | str | Path, vary: Mapping[str, Iterable[Any]], outputs: Iterable[str] | str | None, *, stop_time: float | None,
+    step: float | None, start_values: Mapping[str, Any] | None, inputs: Source | None, **given: Any,
 ) -> Plan:  # fmt: skip
-    """The plan of a sweep, see `sweep`; FmuError for what cannot be asked of this FMU."""
+    """The plan of a sweep, see `sweep`; FmuError for what cannot be asked of this FMU. given: tolerance and method."""
+    settings = {key: value for key, value in given.items() if value is not None}
     what = run_source(scene_or_fmu, "sweep")
     what = what.absolute() if isinstance(what, Path) else what  # for processes that begin in another folder
     if inputs is None and not isinstance(what, Path):
@@ -115,7 +116,7 @@ def plan_of(
             "inputs": hashlib.sha256("\n".join(driven).encode() + course.tobytes()).hexdigest() if driven else "",
         }  # fmt: skip
         return Plan(
-            what, varied, numbers, readings, dict(start_values or {}), dict(settings), stop_time, step, times, tuple(driven), course, about,
+            what, varied, numbers, readings, dict(start_values or {}), settings, stop_time, step, times, tuple(driven), course, about,
         )  # fmt: skip
 
 
