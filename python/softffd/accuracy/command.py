@@ -1,7 +1,5 @@
 """`softffd accuracy`: measures scenes one after the other and keeps files after each: table, document, page, pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """What a measurement leaves: its files, each of which appears whole or not at all, and the machine and versions that it belongs to."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -1,7 +1,5 @@
 """Error against run time of every method on one scene, measured through the FMU as a host would run it."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence

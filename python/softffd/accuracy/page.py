@@ -1,7 +1,5 @@
 """What the reports have in common: one self-contained HTML page, its tables and pictures, and how numbers are told."""
 
-from __future__ import annotations
-
 import base64
 import html
 from collections.abc import Iterable, Mapping, Sequence

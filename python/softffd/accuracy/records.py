@@ -1,7 +1,5 @@
 """What was measured on one scene, and what follows from it: the front, times to reach an error, factors, the setting to take."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

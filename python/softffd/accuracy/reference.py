@@ -5,8 +5,6 @@ uncertainty. A fixed-step method takes part with steps h and h / 2 and Richardso
 With obstacles only leapfrog resolves contact at every step: there is one method at two very fine steps, and the reference is unconfirmed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

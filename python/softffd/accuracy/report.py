@@ -1,7 +1,5 @@
 """The page of a measurement: pictures, tables and the setting to take for each scene."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any

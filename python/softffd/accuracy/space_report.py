@@ -1,7 +1,5 @@
 """`softffd accuracy --space`: measures scenes over lattices and tolerances and keeps files: table, document, picture, page."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -7,8 +7,6 @@ the soft bodies gave. Impulses are therefore equal and opposite whatever the tol
 the tolerance leaves.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Protocol

@@ -1,7 +1,5 @@
 """`softffd ssp`: a scene's FMU and others as one system."""
 
-from __future__ import annotations
-
 import argparse
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`softffd demo`: the shipped scene car_drop from its file to numbers, pictures and an interactive page; and car_bump, shown."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from softffd.cli.keep import keep_run, run_scene_or_fmu

@@ -1,7 +1,5 @@
 """`softffd run`: from a name to a result, its findings, and the files it is kept in."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import tomllib

@@ -1,7 +1,5 @@
 """Commands that make many runs: `softffd sweep`, over a grid of values, and `softffd fit`, parameters from measured curves; their files."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import os

@@ -1,7 +1,5 @@
 """What can be typed after `softffd`: the commands, their options, an example of each; wrong words are told the nearest right one."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 from pathlib import Path

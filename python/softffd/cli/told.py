@@ -1,7 +1,5 @@
 """What `softffd run` says: before the first step what runs and what drives it, after the last one what it came to; and `softffd info`."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import groupby
 from typing import Any
@@ -93,7 +91,7 @@ def told_info(component: Component, *, every: bool = False) -> str:
 
 
 def _pins(component: Component) -> Iterator[str]:
-    for pin in component.pins:
+    for pin in component.resources.pins():
         at = ", ".join(f"{value:.6g}" for value in pin.origin)
         moved = "moved by its inputs" if pin.moved else "fixed"
         yield f"pin {pin.name}, {moved}: the frame at rest is at ({at}) m with the world's axes; it holds {pin.points} points"

@@ -1,7 +1,5 @@
 """`softffd view`: the page of a kept run, of several beside each other, or of the components of a coupled run."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

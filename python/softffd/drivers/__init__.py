@@ -6,8 +6,6 @@ another host must be linked with libpython or started with LD_PRELOAD=libpython3
 GCC 12; libraries for linux64 and win64 are in the FMU. One process holds one version of the drivers: Python loads their modules once.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

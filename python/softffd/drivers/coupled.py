@@ -11,8 +11,6 @@ fmpy's `simulate_ssp` sets every connected input to zero in its first step inste
 with its point at the world's origin, as in the shipped scene, means just that; another start needs another host.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory

@@ -13,8 +13,6 @@ The mean of a communication step, as a reaction is, counts as the value in the s
 step late, which a fit takes for damping.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

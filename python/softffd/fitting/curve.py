@@ -1,7 +1,5 @@
 """Measured curves beside the fitted ones, and their picture: data, curve and residuals, a column for each test."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -5,8 +5,6 @@ parameters' coordinates is s^2 (J^T J)^-1, with s^2 the sum of squares over rows
 less than the noise over half of the parameters' scale, or less than the Jacobian is known, is one that the data do not show.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple

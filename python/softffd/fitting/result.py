@@ -1,7 +1,5 @@
 """What a fit gives: parameters with standard errors and correlations, what the data cannot tell apart, the curves; and its files."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import dataclass

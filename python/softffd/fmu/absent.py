@@ -1,7 +1,5 @@
 """Why an FMU of this package lacks a variable: what its scene would have to say."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from typing import Any
 

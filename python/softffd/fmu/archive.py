@@ -1,7 +1,5 @@
 """The zip archive of an FMU: how it is written, and what of it a run unpacks."""
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Mapping
 from functools import cache

@@ -1,7 +1,5 @@
 """Variables that are set or got together, and the numbers that stand for what a user gives."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_uint
 from typing import Any

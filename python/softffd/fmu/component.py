@@ -15,7 +15,7 @@ from softffd.fmu.block import Block, number_of
 from softffd.fmu.instance import Instance
 from softffd.fmu.interface import ScalarVariable, read_interface
 from softffd.fmu.notes import read_notes
-from softffd.fmu.records import PinRecord, read_lattice, read_obstacles, read_pins, read_taxels
+from softffd.fmu.records import Resources
 from softffd.installed import loaded_library
 from softffd.lattice import LatticeBox
 
@@ -45,10 +45,9 @@ class Component(Instance):
 
     def _open(self, source: Scene | str | Path, running: bool) -> None:
         library = self._unpack(Path(source)) if isinstance(source, str | Path) else self._write(source)
-        self.lattice: LatticeBox | None = read_lattice(Path(self._folder) / "resources")
+        self.lattice: LatticeBox | None = self.resources.lattice
         """Of an FMU of this package; so are these:"""
-        self.obstacles = read_obstacles(Path(self._folder) / "resources")
-        self.taxels = read_taxels(Path(self._folder) / "resources")
+        self.obstacles, self.taxels = self.resources.obstacles(), self.resources.taxels()
         if running:
             self._instantiate(self.interface, self._folder, library, self._name)
 
@@ -59,11 +58,10 @@ class Component(Instance):
         try:
             library = unpack(path, self._folder)
             description = self.description
-            resources = Path(self._folder) / "resources"
-            three = description.fmiVersion.startswith("3.") and read_lattice(resources)
+            three = description.fmiVersion.startswith("3.") and self.resources.lattice
             if not three and (description.coSimulation is None or description.fmiVersion != "2.0"):
                 raise FmuError(f"{path}: wanted an FMI 2.0 co-simulation FMU, or one of this package for FMI 3.0")
-            self.interface = read_interface(description, resources)
+            self.interface = read_interface(description, self.resources)
             return library or library_in_tuple(Path(self._folder), self.interface.identifier, three=bool(three))
         except FmuError:
             raise
@@ -86,9 +84,9 @@ class Component(Instance):
         return fmpy.read_model_description(self._folder, validate=False)
 
     @cached_property
-    def pins(self) -> list[PinRecord]:
-        """The pins, fixed ones too; none in an FMU that is not of this package."""
-        return read_pins(Path(self._folder) / "resources")
+    def resources(self) -> Resources:
+        """What an FMU of this package says of itself."""
+        return Resources(Path(self._folder) / "resources")
 
     @cached_property
     def notes(self) -> list[str]:

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from softffd.fmu.records import read_points
+from softffd.fmu.records import Resources
 from softffd.fmu.variables import OF_POINTS, Variable, listed_values
 from softffd.installed import table
 from softffd.names import ByName, variable_names
@@ -94,13 +93,13 @@ def elements(variable: Variable, *, flat: bool = False) -> Iterator[ScalarVariab
         )  # fmt: skip
 
 
-def read_interface(description: Any, resources: Path) -> Interface:
+def read_interface(description: Any, resources: Resources | None = None) -> Interface:
     """The interface from fmpy's reading of a modelDescription.xml: of a co-simulation FMU of FMI 2.0, or of one of this package of FMI 3.0,
-    whose resources tell the control points of its arrays."""
+    whose `resources` tell the control points of its arrays."""
     simulation, experiment, three = description.coSimulation, description.defaultExperiment, description.fmiVersion.startswith("3.")
     own = simulation.modelIdentifier == IDENTIFIER
     flat = own and description.variableNamingConvention == "flat"
-    if three:
+    if three and resources:
         arrays = (array for array in description.modelVariables if array.valueReference != TIME)
         declared = [element for array in arrays for element in _elements_of(array, resources, flat=flat)]
     else:
@@ -130,11 +129,11 @@ def _declared(variable: Any, own: bool) -> ScalarVariable:
     )  # fmt: skip
 
 
-def _elements_of(array: Any, resources: Path, *, flat: bool) -> list[ScalarVariable]:
+def _elements_of(array: Any, resources: Resources, *, flat: bool) -> list[ScalarVariable]:
     """In the order of their value references, which for control points is that of the scene's list and not of the array."""
     family = next(family for family in table()["family"] if family["id"] == array.valueReference >> 24)
     if family["part"] in OF_POINTS:
-        names = variable_names(family["key"], read_points(resources, family["part"]), flat=flat)
+        names = variable_names(family["key"], resources.points(family["part"]), flat=flat)
     else:
         between = "_" if flat else "."
         names = [f"{array.name}{between}{component}" for component in family["components"]] if array.dimensions else [array.name]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import zlib
 from collections.abc import Callable, Iterable
-from functools import lru_cache
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 
@@ -129,15 +129,6 @@ def scene_text(records: str, guid: str) -> str:
     return f"{HEAD} {zlib.crc32(body.encode()):08x}\n{body}"
 
 
-def read_lattice(resources: Path) -> LatticeBox | None:
-    """The lattice of an FMU's resources; None in an FMU that is not of this package."""
-    records = _read(resources)
-    if records is None:
-        return None
-    points, origin, size = _three(int, records["counts"]), _three(float, records["origin"]), _three(float, records["size"])
-    return LatticeBox(points, origin, size, records.get("basis", ["bezier"])[0])
-
-
 class PinRecord(NamedTuple):
     """A pin: whether inputs move it, how many points it holds, where the origin of its frame is at rest [m]."""
 
@@ -147,55 +138,70 @@ class PinRecord(NamedTuple):
     origin: tuple[float, float, float]
 
 
-def read_pins(resources: Path) -> list[PinRecord]:
-    """The pins of an FMU of this package, in the scene's order."""
-    lattice = read_lattice(resources)
-    if lattice is None:
-        return []
-    rest, found = to_flat(lattice.rest()), []
-    for key, *words in _lines(resources):
-        if key == "pin":
-            name, motion, *points = words
-            found.append(PinRecord(name, motion == "input", len(points), _three(float, rest[[int(p) for p in points]].mean(axis=0))))
-        elif key == "pin_origin":
-            found[-1] = found[-1]._replace(origin=_three(float, words))
-    return found
+class Resources:
+    """What an FMU of this package says of itself in its folder of resources; nothing in another one."""
 
+    def __init__(self, folder: Path):
+        file = folder / NAME
+        text = file.read_text(encoding="utf-8", errors="replace") if file.is_file() else ""
+        self._lines = [line.split() for line in text.splitlines() if line.strip()] if text.startswith(HEAD) else []
+        self._last = {key: words for key, *words in self._lines}
 
-def read_obstacles(resources: Path) -> Obstacles | None:
-    """What there is to say of the obstacles of an FMU of this package; None in another one."""
-    found, name, lines = [], "", _lines(resources)
-    for key, *words in lines:
-        if key == "plane":
-            name = words[0]
-        elif key == "box":
-            found.append(SolidShape(name, "box", _three(float, words[:3])))
-        elif key == "solid":
-            radius, length = map(float, words)
-            kind: Literal["sphere", "cylinder"] = "cylinder" if length > 0 else "sphere"
-            found.append(SolidShape(name, kind, (2 * radius, 2 * radius, length or 2 * radius)))
-    if not lines:
-        return None
-    return Obstacles("surface" if any(key == "sample" for key, *_ in lines) else "lattice", tuple(found))
+    def _all(self, key: str) -> list[list[str]]:
+        return [words for each, *words in self._lines if each == key]
 
+    @cached_property
+    def lattice(self) -> LatticeBox | None:
+        """None in an FMU that is not of this package."""
+        if not self._lines:
+            return None
+        points, origin, size = _three(int, self._last["counts"]), *(_three(float, self._last[key]) for key in ("origin", "size"))
+        return LatticeBox(points, origin, size, self._last.get("basis", ["bezier"])[0])
 
-def read_taxels(resources: Path) -> tuple[TaxelGrid, ...]:
-    """The grids of taxels of an FMU of this package, in the order of its sensors."""
-    found, lines = [], _lines(resources)
-    if not any(key == "sensor_taxels" for key, *_ in lines):
-        return ()
-    samples = [words for key, *words in lines if key == "sample"]
-    areas = np.array([words for key, *words in lines if key == "areas"], dtype=float).reshape(-1, 3)
-    box = read_lattice(resources)
-    assert box is not None
-    places = np.array(samples, dtype=float) if samples else lattice_places(box, solid=box.basis == "patches")
-    name, mine = "", np.zeros(0, dtype=np.int64)
-    for key, *words in lines:
-        if key == "sensor":
-            name, mine = words[0], np.array(words[1::2], dtype=np.int64)
-        elif key == "sensor_taxels":
-            found.append(_grid(name, places, areas, mine, (int(words[0]), int(words[1])), np.array(words[2:], dtype=float).reshape(-1, 3)))
-    return tuple(found)
+    def points(self, key: str) -> list[Point]:
+        """The control points of a selection (forces, positions, velocities), in its order."""
+        return [point_at(int(word), _three(int, self._last["counts"])) for word in self._last.get(key, ())]
+
+    def pins(self) -> list[PinRecord]:
+        """In the scene's order."""
+        rest, found = None if self.lattice is None else to_flat(self.lattice.rest()), list[PinRecord]()
+        for key, *words in self._lines:
+            if key == "pin" and rest is not None:
+                name, motion, *points = words
+                found.append(PinRecord(name, motion == "input", len(points), _three(float, rest[[int(p) for p in points]].mean(axis=0))))
+            elif key == "pin_origin":
+                found[-1] = found[-1]._replace(origin=_three(float, words))
+        return found
+
+    def obstacles(self) -> Obstacles | None:
+        """What there is to say of them; None in an FMU that is not of this package."""
+        found, name = [], ""
+        for key, *words in self._lines:
+            if key == "plane":
+                name = words[0]
+            elif key == "box":
+                found.append(SolidShape(name, "box", _three(float, words[:3])))
+            elif key == "solid":
+                radius, length = map(float, words)
+                kind: Literal["sphere", "cylinder"] = "cylinder" if length > 0 else "sphere"
+                found.append(SolidShape(name, kind, (2 * radius, 2 * radius, length or 2 * radius)))
+        return Obstacles("surface" if "sample" in self._last else "lattice", tuple(found)) if self._lines else None
+
+    def taxels(self) -> tuple[TaxelGrid, ...]:
+        """The grids of taxels, in the order of the sensors."""
+        box, found = self.lattice, list[TaxelGrid]()
+        if box is None or "sensor_taxels" not in self._last:
+            return ()
+        samples, areas = self._all("sample"), np.array(self._all("areas"), dtype=float).reshape(-1, 3)
+        places = np.array(samples, dtype=float) if samples else lattice_places(box, solid=box.basis == "patches")
+        name, mine = "", np.zeros(0, dtype=np.int64)
+        for key, *words in self._lines:
+            if key == "sensor":
+                name, mine = words[0], np.array(words[1::2], dtype=np.int64)
+            elif key == "sensor_taxels":
+                shares = np.array(words[2:], dtype=float).reshape(-1, 3)
+                found.append(_grid(name, places, areas, mine, (int(words[0]), int(words[1])), shares))
+        return tuple(found)
 
 
 def _grid(
@@ -210,32 +216,6 @@ def _grid(
     ends = places[mine][:, [other for other in range(3) if other != axis]]
     lower, upper = ends.min(axis=0).tolist(), ends.max(axis=0).tolist()
     return TaxelGrid(name, axis, side, (lower[0], lower[1]), (upper[0], upper[1]), tuple(map(tuple, around.reshape(counts).tolist())))
-
-
-def read_points(resources: Path, key: str) -> list[Point]:
-    """The control points of a selection (forces, positions, velocities), in its order, from the resources of an FMU of this package."""
-    records = _read(resources) or {}
-    return [point_at(int(word), _three(int, records["counts"])) for word in records.get(key, ())]
-
-
-def _read(resources: Path) -> dict[str, Any] | None:
-    """The records by key, the last of each; None where there are none of this package."""
-    return {key: values for key, *values in _lines(resources)} or None
-
-
-def _lines(resources: Path) -> list[list[str]]:
-    """The words of each record; none where the file is not of this package."""
-    path = resources / NAME
-    if not path.is_file():
-        return []
-    about = path.stat()
-    return _words_of(path, about.st_mtime_ns, about.st_size)
-
-
-@lru_cache(maxsize=1)  # whoever opens an FMU asks for one thing after the other
-def _words_of(path: Path, changed: int, size: int) -> list[list[str]]:
-    text = path.read_text(encoding="utf-8", errors="replace")
-    return [line.split() for line in text.splitlines() if line.strip()] if text.startswith(HEAD) else []
 
 
 def _moved(part: Plane | Sphere | Cylinder | Box | Pin) -> str:

@@ -4,8 +4,6 @@ Start values stand beside each component as a parameter set `start`, which libco
 COMPONENT.VARIABLE, in resources/start.ssv for fmpy, which reads none of its own accord: read_ssv(path, "resources/start.ssv").
 """
 
-from __future__ import annotations
-
 import json
 import re
 import zipfile
@@ -142,7 +140,7 @@ def _element(name: str, file: Path) -> Element:
         raise SoftffdError(f"{file}: cannot be read as an FMU: {error}") from error
     if description.coSimulation is None or description.fmiVersion != "2.0":
         raise SoftffdError(f"{file}: wanted an FMI 2.0 co-simulation FMU, got FMI {description.fmiVersion}")
-    return Element(name, read_interface(description, file), units)
+    return Element(name, read_interface(description), units)
 
 
 def _structure(name: str, wiring: Wiring) -> Xml.Element:

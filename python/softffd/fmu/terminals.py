@@ -9,8 +9,6 @@ part comes from the variables' names: `plane.press.reaction.z` is the member `re
     members         inputs and outputs; parameters, such as friction, are no part of a connection
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from xml.etree import ElementTree as Xml
 

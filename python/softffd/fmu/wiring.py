@@ -3,8 +3,6 @@
 An end is `component.variable`. A vector's name stands for all its components: plate.point is plate.point.x, .y and .z.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

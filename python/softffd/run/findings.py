@@ -1,7 +1,5 @@
 """What a run found, in numbers and in words: methods and why they were taken, reactions, energies, the largest deformation."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

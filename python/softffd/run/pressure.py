@@ -5,8 +5,6 @@ this axis. On the surface it is linear between the taxels' centres, beyond the o
 taxels.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 

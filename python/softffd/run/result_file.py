@@ -8,8 +8,6 @@
 numpy.load reads it too. Nothing in it is pickled, and every entry has its checksum.
 """
 
-from __future__ import annotations
-
 import json
 import zipfile
 import zlib

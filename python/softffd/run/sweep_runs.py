@@ -1,8 +1,6 @@
 """The runs of a plan: in this process, in several, or on an executor of concurrent.futures, whose workers get the FMU as bytes. A component
 is opened once and reset between its runs."""
 
-from __future__ import annotations
-
 import math
 import sys
 import tempfile

@@ -1,7 +1,5 @@
 """The variables of a component by name: single ones and vectors, read and set; and blocks of them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from typing import Any
