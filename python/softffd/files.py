@@ -78,9 +78,10 @@ def size_of(path: Path) -> int:
     return sum(each.stat().st_size for each in path.rglob("*")) if path.is_dir() else path.stat().st_size
 
 
-def require_new(paths: Iterable[Path], another: str) -> None:
-    """SoftffdError where one of these files is there: to be asked before it is made. another: how to say where else it could go."""
-    if there := [str(path) for path in paths if path.is_file()]:
+def require_new(paths: Iterable[Path], another: str, *, overwrite: bool) -> None:
+    """SoftffdError where one of these files is there and not to be written over: to be asked before it is made. another: how to say where
+    else it could go."""
+    if not overwrite and (there := [str(path) for path in paths if path.is_file()]):
         raise SoftffdError(f"{', '.join(there)}: there already; to write over what is there: --overwrite, to keep it: {another}")
 
 

@@ -80,13 +80,17 @@ def libraries(platforms: Iterable[str] | None = None) -> dict[str, Path]:
 
 def wasm_library() -> Path:
     """The library for web pages; SoftffdError names what makes one."""
-    file = data_folder() / "binaries" / WASM / "softffd.wasm"
-    if not file.is_file():
+    if not has_wasm_library():
         raise SoftffdError(
             "this installation has no library for web pages (WebAssembly). In a checkout, python3 python/run.py wasm builds it in some "
             "minutes; a wheel that python3 python/run.py release makes has it."
         )
-    return file
+    return data_folder() / "binaries" / WASM / "softffd.wasm"
+
+
+def has_wasm_library() -> bool:
+    """Whether there is one."""
+    return (data_folder() / "binaries" / WASM / "softffd.wasm").is_file()
 
 
 def least_glibc(library: Path) -> str | None:

@@ -31,7 +31,6 @@ import numpy as np
 
 Counts = Sequence[int]
 """Control points along x, y and z."""
-
 Point = tuple[int, int, int]
 """Indices (i, j, k) of a control point."""
 

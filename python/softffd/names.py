@@ -24,17 +24,14 @@ T = TypeVar("T")
 
 IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
 """What an obstacle, pin, load, probe or sensor may be called."""
-
 OBSTACLES = ("plane", "sphere", "cylinder", "box")
 """Kinds of obstacles"""
 BODIES = (*OBSTACLES[1:], "pin")
 """Kinds of parts that may have a mass of their own"""
-
 PROBED = ("stress", "von_mises", "stretch", "velocity", "acceleration")
 """What a probe may show beside its place"""
 LARGEST = ("velocity", "acceleration", "von_mises")
 """Of which it may show the largest"""
-
 _INDEX = r"(?:0|[1-9]\d*)"
 _FLAT = str.maketrans({".": "_", "[": "_", ",": "_", "]": None})
 

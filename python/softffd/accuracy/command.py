@@ -20,8 +20,6 @@ STANDARD = (
 )  # fmt: skip
 """The standard set, S1 .. S8: soft, undamped; stiff and slow; one stiff layer; contact with friction; a nearly massless point; rotation;
 impact of a stiff body, and of a nearly massless point."""
-
-
 COLUMNS = (
     "scene", "method", "origin", "step_s", "tolerance", "communication_step_s", "cpu_time_s", "repeats", "error", "error_claimed",
     "internal_steps", "rejected_steps", "failure",
@@ -29,16 +27,9 @@ COLUMNS = (
 
 
 def report_accuracy(
-    scenes: Sequence[str],
-    folder: Path,
-    *,
-    step: float | None = None,
-    anchors: Anchors | None = None,
-    typed: str = "softffd accuracy",
-    quick: bool = False,
-    note: Note = silent,
-    say: Note = print,
-) -> list[Records]:
+    scenes: Sequence[str], folder: Path, *, step: float | None = None, anchors: Anchors | None = None, typed: str = "softffd accuracy",
+    quick: bool = False, note: Note = silent, say: Note = print,
+) -> list[Records]:  # fmt: skip
     """Measures scenes (names or files; the standard set if there are none) and keeps CSV, JSON, pictures and page in `folder` after each.
 
     Options as in `measure`; typed: the command, for the files; say: told what has come out, a few lines per scene. Raises SceneError for

@@ -10,19 +10,14 @@ from softffd.accuracy.rig import Setting
 
 LEVELS = (1e-2, 1e-4, 1e-6, 1e-8)
 """Errors, relative to the box's largest side, whose cost is told."""
-
 PUBLISHED, CHOSEN = "central_difference", "auto"
 """The published scheme, and the method that chooses by itself."""
-
 WITHIN = 1.5
 """ `auto` is recommended where it takes at most this many times the best method's time."""
-
 ALIKE = 1.1
 """Times that differ by less are taken as equal."""
-
 MISSED = 10.0
 """An error above this many tolerances is a tolerance missed."""
-
 CLAIM = 3.0
 """A measured error below this many uncertainties of the reference is claimed as no smaller than that."""
 

@@ -17,23 +17,17 @@ from softffd.run.progress import Note, silent
 
 TIGHT = (1e-13, 1e-12, 1e-11)
 """Tolerances tried for the adaptive methods, relative to the box; the first that the method can meet is taken."""
-
 ORDERS = {"bm4": 4, "leapfrog": 2}
 """Fixed-step methods by preference, and their order."""
-
 ADAPTIVE = ("dop853", "rkn12")
 CONFIRMED = 1e-7
 """A larger difference, relative to the box, confirms nothing: errors of 1e-6 could not be told."""
-
 AGREED = 1e-12
 """A difference, relative to the box, below which refining further would compare rounding."""
-
 NEARLY_AGREED = 1e-9
 """Below this a difference that refining hardly changes is the reference's own error."""
-
 PATIENCE, QUICK_PATIENCE = 15.0, 1.0
 """CPU time [s] of the longest run, about."""
-
 FAILURES = 6
 """Steps that may fail before the method is given up."""
 

@@ -22,16 +22,12 @@ from softffd.scene.scene import Scene
 
 ENOUGH = 0.4
 """Repeats of a run end when they have taken this much CPU time together [s]."""
-
 SHORT = 0.02
 """A run of less CPU time [s] is repeated up to three times as often."""
-
 ROUNDING = 1e-13
 """Of the largest coordinate: by less, places at rest move by rounding alone, 2e-14 in 5 s."""
-
 OBSERVED = {"outputs.positions": "all", "outputs.solver": True, "solver.error_estimate": False}
 """Of the scene that is run: all positions and the solver's counts, and no shadow run beside it."""
-
 NOTHING_MOVES = "nothing moves; wanted a load, gravity, a start that is not at rest, or a pin or obstacle that moves"
 
 

@@ -27,14 +27,11 @@ from softffd.scene.scene import Scene
 
 KINDS = {"places": r"^probe\.\w+\.[xyz]$", "reactions": r"\.reaction\.[xyz]$", "energies": r"^energy\.\w+$"}
 """Kinds of outputs that are compared, and their names."""
-
 MOST_LATTICES, MOST_POINTS = 4, 31
 FINER = (1.0, 0.1, 0.01)
 """Tolerances of the runs on a lattice, by that of the scene."""
-
 BUDGET, QUICK_BUDGET = 200.0, 15.0
 """A lattice's tolerances end at a run of more CPU time [s], and the lattices where that is the first."""
-
 ORDERS = (0.3, 8.0)
 """Orders that are believed."""
 

@@ -72,7 +72,7 @@ def _mesh_options(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _demo(options: argparse.Namespace) -> None:
-    from softffd.cli.demo import run_demo
+    from softffd.cli.keep import run_demo
 
     require_writable(options.output)
     run_demo(options.output, lattice=options.lattice)
@@ -87,8 +87,7 @@ def _build(options: argparse.Namespace) -> None:
 
     scene = load_scene(options.scene)
     asked = f"{scene.name}.fmu" if options.output is None else options.output
-    if not options.overwrite:
-        require_new([Path(asked)], "another name by -o X.fmu")
+    require_new([Path(asked)], "another name by -o X.fmu", overwrite=options.overwrite)
     with ProgressLine("packaging") as progress:
         extra = None
         if options.reference:
@@ -118,11 +117,10 @@ def _run(options: argparse.Namespace) -> None:
         from softffd.cli.keep import RESULTS, free_folder, keep_run, run_scene_or_fmu
         from softffd.cli.told import told_after, told_before
 
-        if not options.overwrite:
-            if options.output:
-                require_new([folder / name for name in RESULTS], "another folder by -o DIR")
-            else:
-                folder = free_folder(wanted)
+        if options.output:
+            require_new([folder / name for name in RESULTS], "another folder by -o DIR", overwrite=options.overwrite)
+        elif not options.overwrite:
+            folder = free_folder(wanted)
         require_writable(folder)
 
         def begun(simulation: Simulation, inputs: Inputs) -> None:
@@ -183,8 +181,7 @@ def _drivers(options: argparse.Namespace) -> None:
 
     require_writable(options.output)
     system = options.output / "plate_on_box.ssp"
-    if not options.overwrite:
-        require_new([*(options.output / f"{name}.fmu" for name in DRIVERS), system], "another folder by -o DIR")
+    require_new([*(options.output / f"{name}.fmu" for name in DRIVERS), system], "another folder by -o DIR", overwrite=options.overwrite)
     for path in [*build_drivers(options.output), write_plate_ssp(system)]:
         print(path)
 
@@ -236,8 +233,7 @@ def _live(options: argparse.Namespace) -> None:
 
     page: Path = options.output
     require_writable(page.parent)
-    if not options.overwrite:
-        require_new([page], "another name by -o X.html")
+    require_new([page], "another name by -o X.html", overwrite=options.overwrite)
     with ProgressLine("reading the scene") as progress:
         write_live(load_scene(options.scene), page, stage=progress.stage, progress=progress)
     print(f"{page}: {page.stat().st_size / 1e6:.2f} MB; it needs nothing but a browser")
@@ -248,14 +244,13 @@ def _live(options: argparse.Namespace) -> None:
 
 
 def _export(options: argparse.Namespace) -> None:
-    from softffd.cli.keep import kept_result
+    from softffd.cli.view import kept_result
     from softffd.export.formats import FORMATS, export_result, format_of
 
     name = format_of(options.output, options.to)
     path = options.output or Path(options.what.resolve().stem if options.what.is_file() else options.what.resolve().name)
-    if not options.overwrite:
-        files = FORMATS[name].files(path)
-        require_new([next(file.iterdir(), file) if file.is_dir() else file for file in files], "another name by -o FILE")
+    files = [next(file.iterdir(), file) if file.is_dir() else file for file in FORMATS[name].files(path)]
+    require_new(files, "another name by -o FILE", overwrite=options.overwrite)
     asked = {"to": name, "tolerance": options.tolerance, "frames": options.frames, "lattice": options.lattice}
     with ProgressLine("reading the result") as progress:
         result = kept_result(options.what)

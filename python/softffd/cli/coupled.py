@@ -23,8 +23,7 @@ def write_coupled(options: argparse.Namespace) -> str:
     settings = (setting(text, "COMPONENT.VARIABLE=VALUE, e.g. --set plate.mass=2") for text in options.settings)
     starts = {name: value.split(",") if "," in value else value for name, value in settings}
     path = options.output or Path(f"{next(iter(components))}.ssp")
-    if not options.overwrite:
-        require_new([path], "another name by -o X.ssp")
+    require_new([path], "another name by -o X.ssp", overwrite=options.overwrite)
     return "\n".join(told_ssp(path, components, connections, starts, options.recorded))
 
 

@@ -1,4 +1,4 @@
-"""`softffd run`: from a name to a result, its findings, and the files it is kept in."""
+"""`softffd run`: from a name to a result, its findings, and the files it is kept in; and `softffd demo`, which shows all of that."""
 
 import re
 import shlex
@@ -8,18 +8,22 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from softffd.cli.told import told_after
 from softffd.errors import FmuError, Interrupted, SoftffdError
 from softffd.fmu.component import Component
+from softffd.fmu.package import package_fmu
+from softffd.installed import has_wasm_library
 from softffd.mesh.files import READ, WRITTEN, save_mesh
 from softffd.run.findings import ESTIMATE, findings
 from softffd.run.inputs import Source
-from softffd.run.progress import Note, silent
+from softffd.run.progress import Note, ProgressLine, silent
 from softffd.run.result import Result
 from softffd.run.result_file import KEPT
 from softffd.run.simulate import simulate
 from softffd.run.tables import read_csv
 from softffd.scene.new import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
+from softffd.show.live.page import write_live
 from softffd.show.live.scene import is_recording, live_scene
 from softffd.show.touch import narrow_contact
 
@@ -30,12 +34,7 @@ SHOWN = re.compile(rf"picture\.png|view\.html|deformed(_\d+)?\.png|deformed\.mtl
 
 
 def run_scene_or_fmu(
-    what: str | Path,
-    *,
-    inputs: Source | None = None,
-    error: bool = False,
-    of_mesh: dict[str, Any] | None = None,
-    **asked: Any,
+    what: str | Path, *, inputs: Source | None = None, error: bool = False, of_mesh: dict[str, Any] | None = None, **asked: Any
 ) -> Result:
     """Runs a scene file, a shipped scene, a mesh that falls on the ground, or an FMU.
 
@@ -139,21 +138,29 @@ def free_folder(folder: Path) -> Path:
     return next(name for name in names if not name.exists() or (name.is_dir() and not any(name.iterdir())))
 
 
-def page_of(kept: Path) -> Path:
-    """The interactive page of a folder that a run is kept in, or of one file: the one that is there, else written from the result."""
-    results, page = _results_of(kept), kept / "view.html" if kept.is_dir() else kept.with_suffix(".html")
-    if page.is_file() and page.stat().st_mtime >= results.stat().st_mtime:
-        return page
-    return Result.load(results).view(page, browser=False)
+# ---- softffd demo ----
 
 
-def kept_result(kept: Path) -> Result:
-    """The result of a folder that a run is kept in, or of one file."""
-    return Result.load(_results_of(kept))
-
-
-def _results_of(kept: Path) -> Path:
-    results = kept / KEPT if kept.is_dir() else kept
-    if not results.is_file():
-        raise SoftffdError(f"{kept}: wanted a folder that softffd run wrote, or a file of Result.save, got no result there")
-    return results
+def run_demo(folder: Path, *, lattice: bool | None = None) -> None:
+    """Builds, runs and shows the car in `folder`, saying what it does. lattice: of the pictures, as in `Result.plot`."""
+    scene = load_scene("car_drop")
+    print(scene.title)
+    with ProgressLine("packaging") as progress:
+        progress.say(f"  FMU: {package_fmu(scene, folder / 'car_drop.fmu')}")
+        progress.stage("simulating")
+        result = run_scene_or_fmu("car_drop", progress=progress)
+        progress.say(told_after(result.summary))
+        keep_run(result, folder, progress.stage, lattice=lattice)
+        progress.stage("simulating car_bump")
+        struck = simulate("car_bump")
+        progress.stage("drawing bump.png, writing bump.html")
+        struck.plot(folder / "bump.png", lattice=lattice)
+        struck.view(folder / "bump.html", browser=False)
+        page = folder / "live.html"
+        live = has_wasm_library() and write_live("car_drop", page, stage=progress.stage, progress=progress)
+    print(f"  picture: {folder / 'picture.png'}")
+    print(f"  to play and turn it in a browser: {folder / 'view.html'}")
+    if live:
+        print(f"  to crush it by hand in a browser: {live}")
+    print(f"  {struck.title}: {folder / 'bump.png'}, {folder / 'bump.html'}")
+    print(f"  the last shape as a mesh: {folder / 'deformed.obj'}; numbers: {folder / 'result.csv'}, {folder / 'summary.json'}")

@@ -92,8 +92,7 @@ def run_fit(options: argparse.Namespace) -> None:
     if len(vary) < len(options.vary):
         raise SoftffdError("--vary: wanted each parameter once")
     folder = options.output or Path(f"softffd-fit-{Path(options.scenes[0]).stem}")
-    if not options.overwrite:
-        require_new([folder / name for name in FILES], "another folder by -o DIR")
+    require_new([folder / name for name in FILES], "another folder by -o DIR", overwrite=options.overwrite)
     require_writable(folder)
     began = clock.monotonic()
     with _workers(options) as workers, ProgressLine("fitting") as line:

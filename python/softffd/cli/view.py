@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from softffd.cli.keep import kept_result, page_of
 from softffd.errors import SoftffdError
 from softffd.files import require_new
 from softffd.run.progress import Note, silent
 from softffd.run.replay import replay_system
+from softffd.run.result import Result
+from softffd.run.result_file import KEPT
 from softffd.show.view import write_views
 
 
@@ -26,8 +27,7 @@ def page_to_view(what: Sequence[Path], output: Path | None, *, overwrite: bool, 
     if is_system and (len(what) != 2 or what[1].suffix.lower() != ".csv"):
         raise SoftffdError(f"{what[0]}: wanted with it the CSV file of what a host recorded of the system: softffd view {what[0]} rows.csv")
     page = output or Path(f"{what[0].stem if is_system else '-'.join(map(_short, what))}.html")
-    if not overwrite:
-        require_new([page], "another name by -o X.html")
+    require_new([page], "another name by -o X.html", overwrite=overwrite)
     if is_system:
         runs = replay_system(what[0], what[1], stage)
     else:  # by their folders or files; whole paths where two are the same
@@ -39,3 +39,23 @@ def page_to_view(what: Sequence[Path], output: Path | None, *, overwrite: bool, 
 
 def _short(kept: Path) -> str:
     return (kept.resolve().name if kept.is_dir() else kept.stem).removeprefix("softffd-")
+
+
+def page_of(kept: Path) -> Path:
+    """The interactive page of a folder that a run is kept in, or of one file: the one that is there, else written from the result."""
+    results, page = _results_of(kept), kept / "view.html" if kept.is_dir() else kept.with_suffix(".html")
+    if page.is_file() and page.stat().st_mtime >= results.stat().st_mtime:
+        return page
+    return Result.load(results).view(page, browser=False)
+
+
+def kept_result(kept: Path) -> Result:
+    """The result of a folder that a run is kept in, or of one file."""
+    return Result.load(_results_of(kept))
+
+
+def _results_of(kept: Path) -> Path:
+    results = kept / KEPT if kept.is_dir() else kept
+    if not results.is_file():
+        raise SoftffdError(f"{kept}: wanted a folder that softffd run wrote, or a file of Result.save, got no result there")
+    return results

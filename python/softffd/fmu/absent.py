@@ -33,7 +33,6 @@ SCENE_NEEDS = {
     "error_estimate": "[solver] error_estimate = true",
 }
 """By the part of a family (variables.toml), what brings its variables."""
-
 OF_VARIABLES = ("inputs", "outputs")
 """Sections of the scene whose keys choose variables of nearly their names."""
 

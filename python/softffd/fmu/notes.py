@@ -124,11 +124,11 @@ def _squared_frequencies(scene: Scene, mass: np.ndarray) -> np.ndarray:
 
 def _key_of_mass(scene: Scene, point: int) -> str:
     """Of the scene, the key that a point has its mass from."""
-    given = [number for number, region in enumerate(scene.region) if region.mass is not None and point in scene.select(region.points)]
-    dense = [number for number, region in enumerate(scene.region) if region.density is not None and point in scene.select(region.points)]
-    if given:
-        return f"region[{given[-1]}].mass"
-    return f"region[{dense[-1]}].density" if dense else "mass.uniform_share"
+    for key in ("mass", "density"):
+        own = [n for n, region in enumerate(scene.region) if getattr(region, key) is not None and point in scene.select(region.points)]
+        if own:
+            return f"region[{own[-1]}].{key}"
+    return "mass.uniform_share"
 
 
 def spin_note(scene: Scene, masses: Masses) -> str | None:

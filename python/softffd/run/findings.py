@@ -32,10 +32,8 @@ def heights(result: Result, up: np.ndarray) -> dict[str, np.ndarray]:
 
 ESTIMATE = "solver.error_estimate"
 """The output that estimates the error so far [m]."""
-
 SLOW = 0.01
 """Simulated time over run time, below which a run is told what makes it slow."""
-
 ROUNDING = 1e-9
 """A depth that is less, as a share of the lattice's size, is none."""
 

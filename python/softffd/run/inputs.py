@@ -54,8 +54,6 @@ RATES: dict[str, tuple[str, Rate]] = {
     "pin_orientation": ("pin_angular_velocity", between_orientations),
 }
 """Families of poses: the velocity that follows from each, and how"""
-
-
 Source = Union[Callable[[float], Mapping[str, Any]], Mapping[str, Any], np.ndarray, "pd.DataFrame", str, Path]
 
 SLACK = 1e-9

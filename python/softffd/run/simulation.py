@@ -77,16 +77,10 @@ class Simulation(Variables):
     """
 
     def __init__(
-        self,
-        scene_or_fmu: Scene | str | Path | Component,
-        *,
-        tolerance: float | None = None,
-        method: str | None = None,
-        start_values: Mapping[str, Any] | None = None,
-        start_time: float = 0.0,
-        stop_time: float | None = None,
+        self, scene_or_fmu: Scene | str | Path | Component, *, tolerance: float | None = None, method: str | None = None,
+        start_values: Mapping[str, Any] | None = None, start_time: float = 0.0, stop_time: float | None = None,
         log: Callable[[Message], object] | None = None,
-    ):
+    ):  # fmt: skip
         if log is not None and not callable(log):
             raise FmuError(f"log: wanted a function that takes a message, such as print, got {log!r:.70}")
         super().__init__(scene_or_fmu if isinstance(scene_or_fmu, Component) else Component(run_source(scene_or_fmu, "Simulation")))
@@ -137,14 +131,9 @@ class Simulation(Variables):
         self.time = self.time + length if end is None else end
 
     def restart(
-        self,
-        *,
-        tolerance: float | None = None,
-        method: str | None = None,
-        start_values: Mapping[str, Any] | None = None,
-        start_time: float = 0.0,
-        stop_time: float | None = None,
-    ) -> None:
+        self, *, tolerance: float | None = None, method: str | None = None, start_values: Mapping[str, Any] | None = None,
+        start_time: float = 0.0, stop_time: float | None = None,
+    ) -> None:  # fmt: skip
         """Begins again as if just opened, with the settings given here alone; forgets the log. Saved states keep their use."""
         self.component.reset()
         self.component.messages.clear()

@@ -64,8 +64,11 @@ class Opened:
         """The readings of a run, whose bits are those of `simulate`. plan: the same one each time, but for its values."""
         try:
             if self._simulation is None:
-                self._simulation = Simulation(plan.source)
-                self._drive = _drive(self._simulation, plan)
+                simulation = self._simulation = Simulation(plan.source)
+                names = plan.driven, dict.fromkeys(each.name for each in plan.readings)
+                driven, read = ([simulation.component.variable(name) for name in some] for some in names)
+                self._drive = Drive(simulation, plan.times, plan.step, driven, read)
+                self._drive.input_rows[:-1] = plan.course
             self._simulation.restart(start_values=plan.start(index), stop_time=plan.stop_time, **plan.settings)
             self._drive.apply(0)
             self._simulation.initialize()
@@ -95,14 +98,6 @@ def run_list(plan: Plan, runs: Sequence[Index]) -> list[Readings]:
         return [opened.run(plan, index) for index in runs]
     finally:
         opened.close()
-
-
-def _drive(simulation: Simulation, plan: Plan) -> Drive:
-    variable = simulation.component.variable
-    read = dict.fromkeys(variable(reading.name) for reading in plan.readings)
-    drive = Drive(simulation, plan.times, plan.step, [variable(name) for name in plan.driven], list(read))
-    drive.input_rows[:-1] = plan.course
-    return drive
 
 
 def _read(simulation: Simulation, drive: Drive, plan: Plan) -> np.ndarray:

@@ -11,7 +11,6 @@ LONGEST, FLATTEST = math.sqrt(1.5), math.sqrt(2)
 """How many times longer a cell of springs may be in one direction than in the other two, and in two than in the third."""
 SLENDER, SLENDER_PATCH = 2.5, 4.0
 """How many times longer a cell of a solid may be in one direction than in another; those of a single patch"""
-
 Fits = Callable[[Sequence[float], Sequence[int]], bool]
 """Whether a body can have so many cells in a box of these sides [m]"""
 

@@ -14,8 +14,6 @@ from softffd.scene.selection import Ranges, Selection, flat_indices
 
 OF_CELLS = ("youngs_modulus", "internal_damping", "density")
 """Keys of a region that hold in its cells; `internal_damping` where the material has a modulus."""
-
-
 OF_SPRINGS = {
     ("material", "stiffness"): "youngs_modulus and poissons_ratio say how stiff it is",
     ("material", "volume_stiffness"): "poissons_ratio says how it resists a change of its volume",

@@ -25,7 +25,6 @@ STIFFNESS = 1e3
 """Of springs where a scene says neither stiffness nor modulus [N/m]."""
 POISSONS_RATIO = 0.45
 """Of a solid where a scene does not say"""
-
 Triple = tuple[float, float, float]
 
 

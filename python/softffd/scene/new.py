@@ -21,7 +21,6 @@ TEMPLATE, MESH_TEMPLATE = (Path(__file__).parent / f"{name}.toml" for name in ("
 GRAVITY = 9.81
 DENSITY = 100.0
 """Of soft foam, kg/m3."""
-
 FALL, STIFFNESS, DAMPING, STOP = 0.25, 1.2, 0.2, 7.0
 """Height of the fall by the longest side; stiffness by weight over height; internal damping by the time in which one falls half
 the height; end by the time for half the longest side. Meshes of many shapes then bend visibly, keep the tolerance and lie still."""
