@@ -27,7 +27,7 @@ class FmuError(SoftffdError):
 
 
 class Interrupted(KeyboardInterrupt):
-    """An interrupt (Ctrl-C) of a run of which something was simulated: `result` is the Result up to there."""
+    """An interrupt (Ctrl-C) of something that is done in part: `result` is that, of a run the Result up to there."""
 
     def __init__(self, result: Any):
         self.result = result

@@ -2,13 +2,15 @@
 
 import csv
 import io
+import json
+import math
 import os
 import secrets
 import shutil
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from softffd.errors import SoftffdError
 
@@ -63,6 +65,20 @@ def table_text(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([head, *rows])
     return text.getvalue()
+
+
+def json_text(document: Mapping[str, Any]) -> str:
+    """JSON; numbers that it does not have are null."""
+    return json.dumps(finite(document), indent=1, allow_nan=False) + "\n"
+
+
+def finite(value: Any) -> Any:
+    """The same with None for numbers that are not finite, also inside."""
+    if isinstance(value, Mapping):
+        return {name: finite(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(entry) for entry in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def seen_from(folder: str | Path, file: Path) -> str:

@@ -4,13 +4,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from softffd.accuracy.kept import conditions, csv_text, finite, json_text, keep_files
-from softffd.accuracy.measure import REPEATS, Anchors, Interrupted, measure
+from softffd.accuracy.kept import conditions, csv_text, keep_files
+from softffd.accuracy.measure import REPEATS, Anchors, measure
 from softffd.accuracy.page import time_words
 from softffd.accuracy.picture import front_picture
 from softffd.accuracy.records import CHOSEN, LEVELS, MISSED, Record, Records, level_words
 from softffd.accuracy.report import factor_words, report_page
-from softffd.errors import FmuError
+from softffd.errors import FmuError, Interrupted
+from softffd.files import finite, json_text
 from softffd.run.drive import positive
 from softffd.run.progress import Note, silent
 from softffd.scene.scene import load_scene
@@ -48,7 +49,7 @@ def report_accuracy(
         try:
             records = measure(scene, step=step, anchors=anchors, quick=quick, note=note)
         except Interrupted as interrupt:
-            records = interrupt.records
+            records = interrupt.result
         except FmuError as error:
             refused[scene.name] = str(error)
             say(f"{scene.name}: {scene.title}\n  not measured: {error}")

@@ -1,7 +1,5 @@
 """What a measurement leaves: its files, each of which appears whole or not at all, and the machine and versions that it belongs to."""
 
-import json
-import math
 import os
 import platform
 from collections.abc import Iterable, Mapping, Sequence
@@ -23,20 +21,6 @@ def keep_files(folder: Path, files: Mapping[str, bytes | str]) -> None:
 def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
     """A table of rows by name as CSV; what is absent or None is an empty cell."""
     return table_text(columns, ([row.get(name) for name in columns] for row in rows))  # csv leaves cells of None empty
-
-
-def json_text(document: Mapping[str, Any]) -> str:
-    """JSON; numbers that it does not have are null."""
-    return json.dumps(finite(document), indent=1, allow_nan=False) + "\n"
-
-
-def finite(value: Any) -> Any:
-    """The same with None for numbers that are not finite, also inside."""
-    if isinstance(value, Mapping):
-        return {name: finite(entry) for name, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(entry) for entry in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def conditions(command: Iterable[str], *packages: str) -> dict[str, Any]:

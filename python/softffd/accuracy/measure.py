@@ -9,7 +9,7 @@ import numpy as np
 from softffd.accuracy.records import Record, Records
 from softffd.accuracy.reference import find_reference
 from softffd.accuracy.rig import NOTHING_MOVES, Rig, Setting, TooLong
-from softffd.errors import FmuError
+from softffd.errors import FmuError, Interrupted
 from softffd.run.progress import Note, silent
 from softffd.scene.checks_free import METHODS as WITH_FREE_BODIES
 from softffd.scene.scene import Scene
@@ -39,14 +39,6 @@ Anchors = Callable[[Rig, Records, bool, Note], Iterator[Record]]
 """Measures other programs on a scene, given whether it has to be quick"""
 
 
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a measurement; `records` holds what is done."""
-
-    def __init__(self, records: Records):
-        super().__init__(f"{records.scene} is not complete")
-        self.records = records
-
-
 def measure(
     scene: Scene, *, methods: Sequence[str] | None = None, step: float | None = None, anchors: Anchors | None = None, quick: bool = False,
     repeats: int = REPEATS, note: Note = silent,
@@ -56,7 +48,8 @@ def measure(
     methods: some of the values of `solver.method`; all by default. step: communication step [s], the scene's own by default.
     anchors: makes records of other programs, after the FMU's. quick: fewer, shorter runs. repeats: of each run.
     note: told what is being run. A failed run is a record with its message.
-    Raises FmuError for an unknown method, where nothing moves, and where no reference or no run can be made, Interrupted on Ctrl-C.
+    Raises FmuError for an unknown method, where nothing moves, and where no reference or no run can be made, Interrupted
+    with the records so far on Ctrl-C.
     """
     with Rig(scene, step=step) as rig:
         records = Records(

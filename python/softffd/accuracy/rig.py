@@ -12,7 +12,7 @@ import numpy as np
 
 from softffd.errors import FmuError
 from softffd.fmu.block import Block
-from softffd.fmu.variables import internal_damping_present, spring_damping_present
+from softffd.fmu.variables import has_damping
 from softffd.lattice import all_points
 from softffd.names import variable_names
 from softffd.run.drive import Drive, communication_points, positive
@@ -90,8 +90,8 @@ class Rig:
         box = scene.lattice_box
         self.side = max(box.size)
         self.rounding = ROUNDING * max(self.side, *(max(abs(o), abs(o + size)) for o, size in zip(box.origin, box.size, strict=True)))
-        self.dashpots = internal_damping_present(scene)
-        self.damped = spring_damping_present(scene) or self.dashpots
+        self.dashpots = has_damping(scene, "internal_damping")
+        self.damped = has_damping(scene, "damping") or self.dashpots
         self.contact = bool(scene.obstacles)
         self.free = any(part.motion == "free" for part in (*scene.solids, *scene.pin))
         self.times = communication_points(self.stop_time, self.communication_step, bytes_each=24 * math.prod(scene.lattice.points))

@@ -5,11 +5,12 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from softffd.accuracy.kept import conditions, csv_text, json_text, keep_files
+from softffd.accuracy.kept import conditions, csv_text, keep_files
 from softffd.accuracy.page import NONE, image, page, paragraph, row, section, small, table, time_words
 from softffd.accuracy.picture import setting_words, space_picture
 from softffd.accuracy.records import CLAIM, Record, Records, level_words
 from softffd.accuracy.space import KINDS, Measured, judge_all, measure_space
+from softffd.files import json_text
 from softffd.run.drive import positive
 from softffd.run.progress import Note, silent
 from softffd.scene.scene import load_scene

@@ -23,7 +23,6 @@ from softffd.run.simulate import simulate
 from softffd.run.tables import read_csv
 from softffd.scene.new import scene_of_mesh
 from softffd.scene.scene import Scene, load_scene, scene_from
-from softffd.show.live.page import write_live
 from softffd.show.live.scene import is_recording, live_scene
 from softffd.show.touch import narrow_contact
 
@@ -143,6 +142,8 @@ def free_folder(folder: Path) -> Path:
 
 def run_demo(folder: Path, *, lattice: bool | None = None) -> None:
     """Builds, runs and shows the car in `folder`, saying what it does. lattice: of the pictures, as in `Result.plot`."""
+    from softffd.show.live.page import write_live  # brings much along, which runs do without
+
     scene = load_scene("car_drop")
     print(scene.title)
     with ProgressLine("packaging") as progress:

@@ -47,24 +47,12 @@ MOST_ITERATIONS = 50
 
 
 def fit(
-    scene_or_fmu: Scene | str | Path | Sequence[Scene | str | Path],
-    data: Data | Sequence[Data],
-    match: str,
-    vary: Iterable[str] | Mapping[str, float | None],
-    *,
-    against: str | None = None,
-    recorded: bool = False,
-    noise: Sequence[float] | None = None,
-    stop_time: float | None = None,
-    step: float | None = None,
-    start_values: Mapping[str, Any] | None = None,
-    inputs: Source | None = None,
-    tolerance: float | None = None,
-    method: str | None = None,
-    jobs: int | None = None,
-    executor: Executor | None = None,
-    progress: Progress | None = None,
-) -> Fit:
+    scene_or_fmu: Scene | str | Path | Sequence[Scene | str | Path], data: Data | Sequence[Data], match: str,
+    vary: Iterable[str] | Mapping[str, float | None], *, against: str | None = None, recorded: bool = False,
+    noise: Sequence[float] | None = None, stop_time: float | None = None, step: float | None = None,
+    start_values: Mapping[str, Any] | None = None, inputs: Source | None = None, tolerance: float | None = None, method: str | None = None,
+    jobs: int | None = None, executor: Executor | None = None, progress: Progress | None = None,
+) -> Fit:  # fmt: skip
     """The parameters with which runs come nearest to a measured curve, by the sum of squares, with their standard errors.
 
     scene_or_fmu: a scene, the path of its file, the name of a shipped one, or the path of an FMU; or a list of them, one for each test of

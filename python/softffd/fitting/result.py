@@ -1,6 +1,5 @@
 """What a fit gives: parameters with standard errors and correlations, what the data cannot tell apart, the curves; and its files."""
 
-import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from softffd.files import table_text, write_text
+from softffd.files import json_text, table_text, write_text
 from softffd.fitting.curve import Curve, draw
 
 
@@ -77,21 +76,19 @@ class Fit:
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         files = [folder / name for name in FILES]
-        write_text(files[0], json.dumps(self._as_json(), indent=1, allow_nan=False) + "\n")
+        write_text(files[0], json_text(self._as_json()))
         write_text(files[1], self._as_csv())
         self.plot(files[2])
         return files
 
     def _as_json(self) -> dict[str, Any]:
-        """Numbers that are not finite are null."""
         parameters = {
-            name: {"value": value, "standard_error": _or_none(self.errors[name]), "unit": self.units[name], "start": self.starts[name]}
+            name: {"value": value, "standard_error": self.errors[name], "unit": self.units[name], "start": self.starts[name]}
             for name, value in self.values.items()
         }
-        correlations = [[_or_none(each) for each in row] for row in self.correlations.tolist()]
         curve = self.curves[0]
         return {
-            "parameters": parameters, "correlations": correlations, "undetermined": self.undetermined, "match": curve.match,
+            "parameters": parameters, "correlations": self.correlations.tolist(), "undetermined": self.undetermined, "match": curve.match,
             "unit": curve.units[curve.match], "deviation": self.deviation, "rows": self.rows, "runs": self.runs, "warnings": self.warnings,
         }  # fmt: skip
 
@@ -114,7 +111,3 @@ def _with_error(value: float, error: float) -> str:
         return f"{value:.4g} ± ?"
     digits = 6 if error <= 0 or value == 0 else min(12, max(2, 2 + math.floor(math.log10(abs(value) / error)))) if abs(value) > error else 2
     return f"{value:#.{digits}g} ± {error:.2g}"
-
-
-def _or_none(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar
 import numpy as np
 
 from softffd.embedding.patches import lattice_places
-from softffd.fmu.variables import internal_damping_present, method_value, spring_damping_present
+from softffd.fmu.variables import has_damping, method_value
 from softffd.lattice import LatticeBox, Point, point_at, to_flat
 from softffd.names import PROBED
 from softffd.obstacles import Obstacles, SolidShape
@@ -58,8 +58,8 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None, 
     else:
         add("youngs_modulus", material.youngs_modulus)
     add("poissons_ratio", material.poissons_ratio, when=scene.is_solid)
-    add("damping", material.damping, when=spring_damping_present(scene))
-    add("internal_damping", material.internal_damping, when=internal_damping_present(scene))
+    for key in ("damping", "internal_damping"):
+        add(key, getattr(material, key), when=has_damping(scene, key))
     add("volume_stiffness", material.volume_stiffness, when=material.volume_stiffness > 0)
     if scene.environment.gravity is not None:
         add("gravity", *scene.environment.gravity)

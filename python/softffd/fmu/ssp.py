@@ -36,13 +36,9 @@ for _prefix, _space in SPACES.items():
 
 
 def write_ssp(
-    path: str | Path,
-    components: Mapping[str, Scene | str | Path],
-    connections: Iterable[Sequence[Any]],
-    *,
-    start_values: Mapping[str, Any] | None = None,
-    record: Iterable[str] | str = (),
-) -> Path:
+    path: str | Path, components: Mapping[str, Scene | str | Path], connections: Iterable[Sequence[Any]], *,
+    start_values: Mapping[str, Any] | None = None, record: Iterable[str] | str = (),
+) -> Path:  # fmt: skip
     """Writes a system of FMUs for SSP hosts and returns its path. For a plate from `softffd drivers` that rests on a scene's box:
 
         write_ssp("pressed.ssp", {"box": scene, "plate": "plate.fmu"},

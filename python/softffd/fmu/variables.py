@@ -114,14 +114,9 @@ def listed_values(description: str) -> dict[str, int] | None:
     return {name: int(value) for value, name in (pair.split() for pair in found[1].split(", "))} if found else None
 
 
-def spring_damping_present(scene: Scene) -> bool:
-    """Does any control point have damping?"""
-    return scene.material.damping > 0 or any(region.damping for region in scene.region)
-
-
-def internal_damping_present(scene: Scene) -> bool:
-    """Has any spring a dashpot?"""
-    return scene.material.internal_damping > 0 or any(region.internal_damping for region in scene.region)
+def has_damping(scene: Scene, key: str) -> bool:
+    """Has any control point or spring some? key: "damping" or "internal_damping"."""
+    return getattr(scene.material, key) > 0 or any(getattr(region, key) for region in scene.region)
 
 
 def _instance(words: Words) -> Instance:
@@ -202,8 +197,8 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
         "stiffness": [{f"stiffness_{kind}": getattr(stiffness, kind) for kind in ("edge", "face", "body")}] if stiffness else [],
         "modulus": when(material.youngs_modulus is not None, youngs_modulus=material.youngs_modulus),
         "solid": when(material.model == "solid", poissons_ratio=material.poissons_ratio),
-        "damping": when(spring_damping_present(scene), damping=material.damping),
-        "internal_damping": when(internal_damping_present(scene), internal_damping=material.internal_damping),
+        "damping": when(has_damping(scene, "damping"), damping=material.damping),
+        "internal_damping": when(has_damping(scene, "internal_damping"), internal_damping=material.internal_damping),
         "gravity": when(gravity is not None, gravity=gravity),
         "rotation": when(scene.initial.rotation is not None, rotation=scene.initial.rotation_vector()),
         "positions": points(scene.outputs.positions),

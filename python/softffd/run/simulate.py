@@ -33,21 +33,11 @@ Interpolation = Literal["held", "linear", "cubic"]
 
 
 def simulate(
-    scene_or_fmu: Scene | str | Path,
-    *,
-    stop_time: float | None = None,
-    step: float | None = None,
-    start_values: Mapping[str, Any] | None = None,
-    inputs: Source | None = None,
-    interpolation: Interpolation = "held",
-    output: Iterable[str] | str | None = None,
-    start_time: float = 0.0,
-    tolerance: float | None = None,
-    method: str | None = None,
-    open_end: bool = False,
-    progress: Progress | None = None,
-    begun: Begun | None = None,
-) -> Result:
+    scene_or_fmu: Scene | str | Path, *, stop_time: float | None = None, step: float | None = None,
+    start_values: Mapping[str, Any] | None = None, inputs: Source | None = None, interpolation: Interpolation = "held",
+    output: Iterable[str] | str | None = None, start_time: float = 0.0, tolerance: float | None = None, method: str | None = None,
+    open_end: bool = False, progress: Progress | None = None, begun: Begun | None = None,
+) -> Result:  # fmt: skip
     """Runs a scene or an FMU from start to stop time and returns its outputs.
 
     scene_or_fmu: a scene, the path of its file, the name of a shipped one, or the path of an FMU.

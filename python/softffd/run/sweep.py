@@ -32,21 +32,11 @@ KEEP_EVERY = 10.0
 
 
 def sweep(
-    scene_or_fmu: Scene | str | Path,
-    vary: Mapping[str, Iterable[Any]],
-    *,
-    outputs: Iterable[str] | str | None = None,
-    stop_time: float | None = None,
-    step: float | None = None,
-    start_values: Mapping[str, Any] | None = None,
-    inputs: Source | None = None,
-    tolerance: float | None = None,
-    method: str | None = None,
-    jobs: int | None = None,
-    executor: Executor | None = None,
-    file: str | Path | None = None,
-    progress: Callable[[int, int], object] | None = None,
-) -> Sweep:
+    scene_or_fmu: Scene | str | Path, vary: Mapping[str, Iterable[Any]], *, outputs: Iterable[str] | str | None = None,
+    stop_time: float | None = None, step: float | None = None, start_values: Mapping[str, Any] | None = None, inputs: Source | None = None,
+    tolerance: float | None = None, method: str | None = None, jobs: int | None = None, executor: Executor | None = None,
+    file: str | Path | None = None, progress: Callable[[int, int], object] | None = None,
+) -> Sweep:  # fmt: skip
     """Runs every combination of the values in `vary` and returns a table of outputs; the numbers are those of `simulate`.
 
     scene_or_fmu: a scene, the path of its file, the name of a shipped one, or the path of an FMU.

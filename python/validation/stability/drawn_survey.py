@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from softffd.accuracy.kept import conditions, csv_text, json_text, keep_files
+from softffd.accuracy.kept import conditions, csv_text, keep_files
 from softffd.errors import SoftffdError
+from softffd.files import json_text
 from softffd.run.progress import Note, silent
 from validation.guard import guarded
 from validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, VERDICTS, Job, Judged, judge, patience, run_jobs

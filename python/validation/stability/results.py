@@ -15,8 +15,9 @@ import numpy as np
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
 
-from softffd.accuracy.kept import conditions, csv_text, json_text, keep_files
+from softffd.accuracy.kept import conditions, csv_text, keep_files
 from softffd.errors import SoftffdError
+from softffd.files import json_text
 from softffd.run.progress import Note, silent
 from softffd.show.figure import INK, SOFT, new_figure, png_of
 from validation.stability.cases import CASES

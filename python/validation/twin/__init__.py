@@ -28,7 +28,7 @@ from softffd.errors import SoftffdError
 from softffd.fmu.interface import elements
 from softffd.fmu.model_description import completed, model_description
 from softffd.fmu.package import fmu_path, scene_masses
-from softffd.fmu.variables import internal_damping_present, variables
+from softffd.fmu.variables import has_damping, variables
 from softffd.installed import table
 from softffd.lattice import LatticeBox, point_at
 from softffd.names import variable_name
@@ -67,7 +67,7 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
         raise SoftffdError(f"sphere, cylinder, box: the twin has planes alone, wanted none of these, got {names}")
     if scene.contact.of != "lattice" and scene.plane:
         raise SoftffdError('contact.of: the twin meets control points, wanted "lattice", got "surface"')
-    if internal_damping_present(scene):
+    if has_damping(scene, "internal_damping"):
         raise SoftffdError(
             f"material.internal_damping: the twin has none, wanted 0 s in it and all regions, got {_internal_damping(scene):g}"
         )

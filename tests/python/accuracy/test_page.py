@@ -8,9 +8,10 @@ from html.parser import HTMLParser
 from types import SimpleNamespace
 from urllib.parse import unquote
 
-from softffd.accuracy.kept import condition_words, conditions, csv_text, json_text, keep_files
+from softffd.accuracy.kept import condition_words, conditions, csv_text, keep_files
 from softffd.accuracy.page import NONE, image, page, paragraph, row, section, small, table, time_words
 from softffd.accuracy.report import _summary
+from softffd.files import json_text
 
 VOID = ("meta", "link", "img")
 
