@@ -29,24 +29,18 @@ from itertools import product
 
 import numpy as np
 
-Counts = Sequence[int]
-"""Control points along x, y and z."""
-Point = tuple[int, int, int]
-"""Indices (i, j, k) of a control point."""
+Counts = Sequence[int]  # control points along x, y and z
+Point = tuple[int, int, int]  # indices (i, j, k) of a control point
 
 
 @dataclass(frozen=True)
 class LatticeBox:
     """A lattice as embeddings and pictures need it."""
 
-    points: tuple[int, int, int]
-    """Control points per axis"""
-    origin: tuple[float, float, float]
-    """Lower corner of the box at rest [m]"""
-    size: tuple[float, float, float]
-    """Its sides [m]"""
-    basis: str
-    """ "bezier", "bspline" or "patches" """
+    points: tuple[int, int, int]  # control points per axis
+    origin: tuple[float, float, float]  # lower corner of the box at rest [m]
+    size: tuple[float, float, float]  # its sides [m]
+    basis: str  # "bezier", "bspline" or "patches"
 
     def rest(self) -> np.ndarray:
         """The control points at rest as a grid, (nx, ny, nz, 3) [m]."""

@@ -22,16 +22,11 @@ from softffd.spelling import few
 
 T = TypeVar("T")
 
-IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"
-"""What an obstacle, pin, load, probe or sensor may be called."""
-OBSTACLES = ("plane", "sphere", "cylinder", "box")
-"""Kinds of obstacles"""
-BODIES = (*OBSTACLES[1:], "pin")
-"""Kinds of parts that may have a mass of their own"""
-PROBED = ("stress", "von_mises", "stretch", "velocity", "acceleration")
-"""What a probe may show beside its place"""
-LARGEST = ("velocity", "acceleration", "von_mises")
-"""Of which it may show the largest"""
+IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"  # what an obstacle, pin, load, probe or sensor may be called
+OBSTACLES = ("plane", "sphere", "cylinder", "box")  # kinds of obstacles
+BODIES = (*OBSTACLES[1:], "pin")  # kinds of parts that may have a mass of their own
+PROBED = ("stress", "von_mises", "stretch", "velocity", "acceleration")  # what a probe may show beside its place
+LARGEST = ("velocity", "acceleration", "von_mises")  # of which it may show the largest
 _INDEX = r"(?:0|[1-9]\d*)"
 _FLAT = str.maketrans({".": "_", "[": "_", ",": "_", "]": None})
 
@@ -65,12 +60,10 @@ Instance = Part | Cell | str | Point | None
 class Name(NamedTuple):
     """A variable's name, taken apart."""
 
-    family: str
-    """Key of its row in the table"""
+    family: str  # key of its row in the table
     instance: Part | Cell | Point | None
     """The obstacle, pin, load, probe, sensor or taxel, or the control point; None where there is one only"""
-    component: str
-    """"x", "y", "z" or "w"; empty for scalars"""
+    component: str  # "x", "y", "z" or "w"; empty for scalars
 
     @property
     def at_point(self) -> bool:

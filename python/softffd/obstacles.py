@@ -11,8 +11,7 @@ class SolidShape:
 
     name: str
     kind: Literal["sphere", "cylinder", "box"]
-    size: tuple[float, float, float]
-    """Edges of the box about it; a cylinder's length is the third [m]"""
+    size: tuple[float, float, float]  # edges of the box about it; a cylinder's length is the third [m]
 
     @property
     def radius(self) -> float:
@@ -51,7 +50,5 @@ class SolidShape:
 class Obstacles:
     """What an FMU says of its obstacles."""
 
-    meet: Literal["surface", "lattice"] = "lattice"
-    """What of the object they meet"""
-    solids: tuple[SolidShape, ...] = ()
-    """Those with an inside, in the scene's order"""
+    meet: Literal["surface", "lattice"] = "lattice"  # what of the object they meet
+    solids: tuple[SolidShape, ...] = ()  # those with an inside, in the scene's order

@@ -10,16 +10,11 @@ class TaxelGrid:
     """The taxels of a sensor, a grid seen along one axis of the rest shape; the first side of the grid is along the first other axis."""
 
     name: str
-    axis: int
-    """0, 1, 2: the axis that the patch faces most"""
-    side: int
-    """+1 or -1: which way along it the patch faces; 0: its areas face both ways, so that its taxels have no pressure"""
-    lower: tuple[float, float]
-    """Along the other two axes, where the grid begins [m]"""
-    upper: tuple[float, float]
-    """Where it ends [m]"""
-    areas: tuple[tuple[float, ...], ...]
-    """(n, m) m2: at rest, seen along the axis, of all places that count for a taxel"""
+    axis: int  # 0, 1, 2: the axis that the patch faces most
+    side: int  # +1 or -1: which way along it the patch faces; 0: its areas face both ways, so that its taxels have no pressure
+    lower: tuple[float, float]  # along the other two axes, where the grid begins [m]
+    upper: tuple[float, float]  # where it ends [m]
+    areas: tuple[tuple[float, ...], ...]  # (n, m) m2: at rest, seen along the axis, of all places that count for a taxel
 
     @property
     def counts(self) -> tuple[int, int]:

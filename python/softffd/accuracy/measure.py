@@ -17,26 +17,18 @@ from softffd.spelling import wanted_one_of
 
 FIXED_STEP = ("central_difference", "leapfrog", "bm4", "sdirk2")
 """Methods that are measured over fixed internal steps; all others, over tolerances."""
-IMPLICIT = ("sdirk2",)
-"""Those of them whose steps no bound of stability limits: their first one is a communication step."""
+IMPLICIT = ("sdirk2",)  # those of them whose steps no bound of stability limits: their first one is a communication step
 CONTACT = ("central_difference", "leapfrog", "auto", "sdirk2")
 """Methods that differ where contact is possible: the others hand such communication steps to leapfrog."""
 AS_AUTO = ("backward_euler",)
 """Methods that do what `auto` does, but for the impacts of stiff bodies, which they lose: beside it they say nothing of the best method."""
-DAMPED_CONTACT = ("sdirk2",)
-"""Methods for bodies with internal damping beside planes."""
-FINER, QUICK_FINER = 1.5, 2.0
-"""Ratio of successive fixed steps; the largest stable one of leapfrog is among them."""
-COARSER = 2
-"""So many steps are beyond that bound: some methods are stable there, for the others the FMU divides them."""
-BUDGET, QUICK_BUDGET = 2.0, 0.2
-"""A method's sweep ends at a run of more CPU time [s]."""
-FAILURES = 6
-"""A method's sweep ends after this many failed runs in a row."""
-REPEATS = 5
-"""Of each run, the smallest time counts."""
-Anchors = Callable[[Rig, Records, bool, Note], Iterator[Record]]
-"""Measures other programs on a scene, given whether it has to be quick"""
+DAMPED_CONTACT = ("sdirk2",)  # methods for bodies with internal damping beside planes
+FINER, QUICK_FINER = 1.5, 2.0  # ratio of successive fixed steps; the largest stable one of leapfrog is among them
+COARSER = 2  # so many steps are beyond that bound: some methods are stable there, for the others the FMU divides them
+BUDGET, QUICK_BUDGET = 2.0, 0.2  # a method's sweep ends at a run of more CPU time [s]
+FAILURES = 6  # a method's sweep ends after this many failed runs in a row
+REPEATS = 5  # of each run, the smallest time counts
+Anchors = Callable[[Rig, Records, bool, Note], Iterator[Record]]  # measures other programs on a scene, given whether it has to be quick
 
 
 def measure(

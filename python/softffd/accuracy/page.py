@@ -8,8 +8,7 @@ from typing import Any
 from softffd.accuracy.kept import condition_words
 from softffd.show.template import filled
 
-NONE = "&ndash;"
-"""In a table where there is nothing to say."""
+NONE = "&ndash;"  # in a table where there is nothing to say
 
 
 def page(title: str, about: Mapping[str, Any], header: Iterable[str], sections: Iterable[str]) -> str:

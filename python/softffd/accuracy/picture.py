@@ -21,8 +21,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "dop853": {"color": CURVES[4], "marker": "v"},
     "ros34pw2": {"color": CURVES[5], "marker": "P"},
     "sdirk2": {"color": CURVES[2], "marker": "p"},  # bm4 leaves the scenes that have it
-}
-"""Of the methods by name; others get what is left."""
+}  # of the methods by name; others get what is left
 LABELS = {CHOSEN: "auto", PUBLISHED: "central_difference\n(published scheme)"}
 OTHER_COLOURS = ("#7a5195", "#a05d2c", "#3c7a89", "#b0413e")
 ANCHOR_MARKS = {"SciPy DOP853": "v", "SciPy RK45": "<", "SciPy Radau": ">", "SciPy LSODA": "d"}
@@ -31,8 +30,7 @@ LARGEST, LEAST, SMALLEST = 0.5, 1e-9, 1e-13
 BAND = "#f0e2b6"
 
 MARKS = "os^Dvp"
-WIDTH = 30
-"""Letters of a line of the legend."""
+WIDTH = 30  # letters of a line of the legend
 WORDS = """a point for each lattice, the fastest of its most accurate runs; dots: its other runs; lower left is better
 hollow: not told apart from what is unknown of the continuum's answer, to which finer lattices tend"""
 

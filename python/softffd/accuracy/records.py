@@ -8,18 +8,12 @@ import numpy as np
 from softffd.accuracy.reference import NO_REFERENCE, Reference
 from softffd.accuracy.rig import Setting
 
-LEVELS = (1e-2, 1e-4, 1e-6, 1e-8)
-"""Errors, relative to the box's largest side, whose cost is told."""
-PUBLISHED, CHOSEN = "central_difference", "auto"
-"""The published scheme, and the method that chooses by itself."""
-WITHIN = 1.5
-""" `auto` is recommended where it takes at most this many times the best method's time."""
-ALIKE = 1.1
-"""Times that differ by less are taken as equal."""
-MISSED = 10.0
-"""An error above this many tolerances is a tolerance missed."""
-CLAIM = 3.0
-"""A measured error below this many uncertainties of the reference is claimed as no smaller than that."""
+LEVELS = (1e-2, 1e-4, 1e-6, 1e-8)  # errors, relative to the box's largest side, whose cost is told
+PUBLISHED, CHOSEN = "central_difference", "auto"  # the published scheme, and the method that chooses by itself
+WITHIN = 1.5  # `auto` is recommended where it takes at most this many times the best method's time
+ALIKE = 1.1  # times that differ by less are taken as equal
+MISSED = 10.0  # an error above this many tolerances is a tolerance missed
+CLAIM = 3.0  # a measured error below this many uncertainties of the reference is claimed as no smaller than that
 
 
 def level_words(level: float) -> str:
@@ -27,8 +21,7 @@ def level_words(level: float) -> str:
     return f"{level:.0e}".replace("e-0", "e-")
 
 
-ERROR_FLOOR = 1e-10
-"""A method's sweep ends below this error, relative to the box."""
+ERROR_FLOOR = 1e-10  # a method's sweep ends below this error, relative to the box
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,10 +29,8 @@ class Record:
     """One run: its setting, its time, its error; or why there is none."""
 
     setting: Setting
-    origin: str = "softffd"
-    """ "softffd": through the FMU; "scipy": an outside anchor"""
-    cpu_time: float = math.nan
-    """s"""
+    origin: str = "softffd"  # "softffd": through the FMU; "scipy": an outside anchor
+    cpu_time: float = math.nan  # s
     repeats: int = 0
     steps: int | None = None
     rejected: int | None = None
@@ -47,8 +38,7 @@ class Record:
     """(T,) largest distance of a control point from the reference at each communication point, relative to the box's largest side; where
     lattices are compared the largest error of each kind of output, relative to the largest change of that kind"""
     failure: str | None = None
-    lattice: tuple[int, ...] = ()
-    """Control points along each axis, where lattices are compared and not methods"""
+    lattice: tuple[int, ...] = ()  # control points along each axis, where lattices are compared and not methods
 
     @property
     def name(self) -> str:
@@ -71,17 +61,13 @@ class Records:
     title: str
     communication_step: float
     stop_time: float
-    times: np.ndarray
-    """(T,) s, communication points"""
+    times: np.ndarray  # (T,) s, communication points
     points: int
-    tolerance: float
-    """The scene's own"""
+    tolerance: float  # the scene's own
     reference: Reference = NO_REFERENCE
     runs: list[Record] = field(default_factory=list)
-    left_out: dict[str, str] = field(default_factory=dict)
-    """Methods that were not run, and why"""
-    complete: bool = False
-    """Not interrupted"""
+    left_out: dict[str, str] = field(default_factory=dict)  # methods that were not run, and why
+    complete: bool = False  # not interrupted
 
     def names(self, origin: str | None = None) -> list[str]:
         """The methods that were run, in order of appearance."""

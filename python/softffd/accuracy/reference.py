@@ -15,37 +15,25 @@ from softffd.accuracy.rig import Rig, Run, Setting
 from softffd.errors import FmuError
 from softffd.run.progress import Note, silent
 
-TIGHT = (1e-13, 1e-12, 1e-11)
-"""Tolerances tried for the adaptive methods, relative to the box; the first that the method can meet is taken."""
-ORDERS = {"bm4": 4, "leapfrog": 2}
-"""Fixed-step methods by preference, and their order."""
+TIGHT = (1e-13, 1e-12, 1e-11)  # tolerances tried for the adaptive methods, relative to the box; the first that the method can meet is taken
+ORDERS = {"bm4": 4, "leapfrog": 2}  # fixed-step methods by preference, and their order
 ADAPTIVE = ("dop853", "rkn12")
-CONFIRMED = 1e-7
-"""A larger difference, relative to the box, confirms nothing: errors of 1e-6 could not be told."""
-AGREED = 1e-12
-"""A difference, relative to the box, below which refining further would compare rounding."""
-NEARLY_AGREED = 1e-9
-"""Below this a difference that refining hardly changes is the reference's own error."""
-PATIENCE, QUICK_PATIENCE = 15.0, 1.0
-"""CPU time [s] of the longest run, about."""
-FAILURES = 6
-"""Steps that may fail before the method is given up."""
+CONFIRMED = 1e-7  # a larger difference, relative to the box, confirms nothing: errors of 1e-6 could not be told
+AGREED = 1e-12  # a difference, relative to the box, below which refining further would compare rounding
+NEARLY_AGREED = 1e-9  # below this a difference that refining hardly changes is the reference's own error
+PATIENCE, QUICK_PATIENCE = 15.0, 1.0  # CPU time [s] of the longest run, about
+FAILURES = 6  # steps that may fail before the method is given up
 
 
 @dataclass(frozen=True, eq=False)
 class Reference:
     """Positions to measure against."""
 
-    positions: np.ndarray
-    """(T, n, 3) m at the communication points"""
-    uncertainty: float
-    """Largest difference from the second run, relative to the box's largest side"""
-    method: str
-    """What made it, in words"""
-    check: str
-    """What it was compared with, in words"""
-    independent: bool
-    """The second run is by an independent method"""
+    positions: np.ndarray  # (T, n, 3) m at the communication points
+    uncertainty: float  # largest difference from the second run, relative to the box's largest side
+    method: str  # what made it, in words
+    check: str  # what it was compared with, in words
+    independent: bool  # the second run is by an independent method
 
     @property
     def confirmed(self) -> bool:
@@ -64,8 +52,7 @@ class Reference:
         return f"{self.method}, unconfirmed: {alone}{self.check} differs by {difference}"
 
 
-NO_REFERENCE = Reference(np.empty((0, 0, 3)), math.inf, "none", "nothing", False)
-"""As long as none is found."""
+NO_REFERENCE = Reference(np.empty((0, 0, 3)), math.inf, "none", "nothing", False)  # as long as none is found
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,12 +20,9 @@ from softffd.run.inputs import Inputs
 from softffd.run.simulation import Simulation
 from softffd.scene.scene import Scene
 
-ENOUGH = 0.4
-"""Repeats of a run end when they have taken this much CPU time together [s]."""
-SHORT = 0.02
-"""A run of less CPU time [s] is repeated up to three times as often."""
-ROUNDING = 1e-13
-"""Of the largest coordinate: by less, places at rest move by rounding alone, 2e-14 in 5 s."""
+ENOUGH = 0.4  # repeats of a run end when they have taken this much CPU time together [s]
+SHORT = 0.02  # a run of less CPU time [s] is repeated up to three times as often
+ROUNDING = 1e-13  # of the largest coordinate: by less, places at rest move by rounding alone, 2e-14 in 5 s
 OBSERVED = {"outputs.positions": "all", "outputs.solver": True, "solver.error_estimate": False}
 """Of the scene that is run: all positions and the solver's counts, and no shadow run beside it."""
 NOTHING_MOVES = "nothing moves; wanted a load, gravity, a start that is not at rest, or a pin or obstacle that moves"
@@ -40,10 +37,8 @@ class Setting:
     """How the solver is set: a method, with a fixed internal step, or with a tolerance."""
 
     method: str
-    step: float = 0.0
-    """Fixed internal step [s]; 0: the step follows the tolerance"""
-    tolerance: float = 0.0
-    """Of `solver.tolerance`, relative to the box's largest side; 0: as in the scene"""
+    step: float = 0.0  # fixed internal step [s]; 0: the step follows the tolerance
+    tolerance: float = 0.0  # of `solver.tolerance`, relative to the box's largest side; 0: as in the scene
 
     def __str__(self) -> str:
         return f"{self.method}, {'step' if self.step else 'tolerance'} {self.step or self.tolerance:.3g}{' s' * (self.step > 0)}"
@@ -53,15 +48,11 @@ class Setting:
 class Run:
     """One setting, run once or several times."""
 
-    positions: np.ndarray
-    """(T, n, 3) m at the communication points, control points in flat order; (T, w) of watched outputs"""
-    cpu_time: float
-    """Of the loop over the communication steps, smallest of the repeats [s]"""
+    positions: np.ndarray  # (T, n, 3) m at the communication points, control points in flat order; (T, w) of watched outputs
+    cpu_time: float  # of the loop over the communication steps, smallest of the repeats [s]
     repeats: int
-    steps: int
-    """Internal steps"""
-    rejected: int | None
-    """Rejected internal steps; None where the FMU does not count them"""
+    steps: int  # internal steps
+    rejected: int | None  # rejected internal steps; None where the FMU does not count them
 
 
 class _Course(Drive):

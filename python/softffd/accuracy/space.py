@@ -28,26 +28,19 @@ from softffd.scene.scene import Scene
 KINDS = {"places": r"^probe\.\w+\.[xyz]$", "reactions": r"\.reaction\.[xyz]$", "energies": r"^energy\.\w+$"}
 """Kinds of outputs that are compared, and their names."""
 MOST_LATTICES, MOST_POINTS = 4, 31
-FINER = (1.0, 0.1, 0.01)
-"""Tolerances of the runs on a lattice, by that of the scene."""
-BUDGET, QUICK_BUDGET = 200.0, 15.0
-"""A lattice's tolerances end at a run of more CPU time [s], and the lattices where that is the first."""
-ORDERS = (0.3, 8.0)
-"""Orders that are believed."""
+FINER = (1.0, 0.1, 0.01)  # tolerances of the runs on a lattice, by that of the scene
+BUDGET, QUICK_BUDGET = 200.0, 15.0  # a lattice's tolerances end at a run of more CPU time [s], and the lattices where that is the first
+ORDERS = (0.3, 8.0)  # orders that are believed
 
 
 @dataclass(frozen=True, eq=False)
 class Continuum:
     """What the lattices tend to, of one kind of outputs."""
 
-    course: np.ndarray
-    """(T, w)"""
-    order: float
-    """As measured; NaN where the lattices do not tend to anything yet, or are only two: then `course` is the finest lattice's"""
-    uncertainty: float
-    """Relative to the largest change"""
-    change: float
-    """Largest change of an output since the start"""
+    course: np.ndarray  # (T, w)
+    order: float  # as measured; NaN where the lattices do not tend to anything yet, or are only two: then `course` is the finest lattice's
+    uncertainty: float  # relative to the largest change
+    change: float  # largest change of an output since the start
 
     def error(self, course: np.ndarray) -> float:
         """Largest difference, relative to the largest change."""
@@ -138,14 +131,10 @@ def _rounding(rig: Rig) -> dict[str, float]:
 class Measured:
     """A scene on its lattices."""
 
-    records: Records
-    """Errors are those of KINDS that change, against the continuum of the scene `against`"""
-    names: list[str]
-    """The outputs that are compared"""
-    courses: Sequence[Mapping[str, np.ndarray] | None]
-    """Of each run, (T, w) by kind; None where it failed"""
-    own: Mapping[str, Continuum]
-    """What its lattices tend to, by kind"""
+    records: Records  # errors are those of KINDS that change, against the continuum of the scene `against`
+    names: list[str]  # the outputs that are compared
+    courses: Sequence[Mapping[str, np.ndarray] | None]  # of each run, (T, w) by kind; None where it failed
+    own: Mapping[str, Continuum]  # what its lattices tend to, by kind
     against: str = ""
     apart: dict[str, dict[str, float]] = field(default_factory=dict)
     """How far its continuum is from that of other scenes with the same outputs, by scene and kind, relative to the largest change"""

@@ -15,8 +15,7 @@ from softffd.run.drive import positive
 from softffd.run.progress import Note, silent
 from softffd.scene.scene import load_scene
 
-LEVELS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3)
-"""Errors, relative to the largest change, whose cost is told."""
+LEVELS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3)  # errors, relative to the largest change, whose cost is told
 INTRODUCTION = """<p>The scene ran on finer and finer lattices, at its tolerance, a tenth and a hundredth of it. A time is the CPU time of
 the loop over the communication steps. An error is the largest difference from the answer of the continuum, to which the lattices tend, over
 all outputs of a kind and all communication points, divided by the largest change of that kind. Scenes whose answers agree within their

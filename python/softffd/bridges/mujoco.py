@@ -20,8 +20,7 @@ except ImportError:
 
 SHAPES = {"plane": ["plane"], "sphere": ["sphere"], "cylinder": ["cylinder"], "box": ["box"], "capsule": ["cylinder", "sphere", "sphere"]}
 """The obstacles that stand for a geom, by its type"""
-NEAREST = {"ellipsoid": "sphere", "hfield": "plane"}
-"""Of types that no obstacle stands for; else a box"""
+NEAREST = {"ellipsoid": "sphere", "hfield": "plane"}  # of types that no obstacle stands for; else a box
 
 
 def couple(

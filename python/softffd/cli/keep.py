@@ -27,7 +27,6 @@ from softffd.show.live.scene import is_recording, live_scene
 from softffd.show.touch import narrow_contact
 
 RESULTS = (KEPT, "result.csv", "summary.json")  # what every run is kept in
-
 SHOWN = re.compile(rf"picture\.png|view\.html|deformed(_\d+)?\.png|deformed\.mtl|deformed({'|'.join(map(re.escape, WRITTEN))})")
 """What a run may be kept in beside these."""
 

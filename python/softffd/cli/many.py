@@ -23,7 +23,6 @@ from softffd.run.tables import package
 from softffd.spelling import number_in
 
 CONNECTING, WORKERS = 10.0, 60.0  # so long a scheduler may take to answer, and a cluster to have its first worker [s]
-
 WANTED = "NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=V1,V2,..., e.g. --vary stiffness.edge=500:2000:4:log"
 
 

@@ -13,8 +13,7 @@ from softffd.spelling import did_you_mean, nearest_of, number_in, wanted_one_of
 class Parser(argparse.ArgumentParser):
     """An argparse parser that tells the nearest command, option or choice."""
 
-    instead = ""
-    """What is said of a word too many"""
+    instead = ""  # what is said of a word too many
 
     def __init__(self, **about: Any):
         super().__init__(add_help=False, **about)
@@ -41,7 +40,6 @@ def _number(text: str) -> float:
 
 
 Add = Callable[[str, str, str], Parser]  # adds a command: name, help, an example
-
 SCENE = "Scene file, or name of a shipped scene."
 SCENE_OR_FMU = "Scene file, name of a shipped scene, or FMU."
 

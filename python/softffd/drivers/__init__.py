@@ -21,8 +21,7 @@ from softffd.spelling import wanted_one_of
 
 DRIVERS = ("plate", "actuator")
 HERE = Path(__file__).parent
-MENDING = HERE / "softffd_pythonfmu.py"
-"""A module that every script made with pythonfmu takes along and calls."""
+MENDING = HERE / "softffd_pythonfmu.py"  # a module that every script made with pythonfmu takes along and calls
 
 
 def build_drivers(folder: str | Path) -> list[Path]:

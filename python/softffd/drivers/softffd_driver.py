@@ -20,8 +20,7 @@ UNITS: dict[str, dict[str, int]] = {
     "m/s2": {"m": 1, "s": -2},
     "N": {"kg": 1, "m": 1, "s": -2},
     "N.s": {"kg": 1, "m": 1, "s": -1},
-}
-"""Powers of the base units."""
+}  # powers of the base units
 
 
 class Driver(Fmi2Slave):

@@ -14,8 +14,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-MENDED: set[Path] = set()
-"""Paths of the libraries that have been seen to."""
+MENDED: set[Path] = set()  # paths of the libraries that have been seen to
 
 
 def mend(script_globals: dict[str, Any]) -> None:

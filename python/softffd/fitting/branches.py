@@ -21,8 +21,7 @@ from softffd.errors import FmuError
 
 SLACK = 0.02
 """A displacement turns where it goes back by more than this part of the measured range; data may lie so far beyond the run's ends"""
-STILL = 1e-9
-"""Part of the range within which a displacement rests"""
+STILL = 1e-9  # part of the range within which a displacement rests
 
 
 class Branch(NamedTuple):
@@ -30,8 +29,7 @@ class Branch(NamedTuple):
 
     first: int
     last: int
-    sign: int
-    """1 where the values grow, -1 where they fall"""
+    sign: int  # 1 where the values grow, -1 where they fall
 
 
 def branches(values: np.ndarray, slack: float) -> list[Branch]:

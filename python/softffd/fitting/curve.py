@@ -22,16 +22,12 @@ class Curve:
 
     title: str
     match: str
-    against: str
-    """ "time", or the name of what is in its place"""
-    units: dict[str, str]
-    """Of both, by name"""
-    at: np.ndarray
-    """(m,)"""
+    against: str  # "time", or the name of what is in its place
+    units: dict[str, str]  # of both, by name
+    at: np.ndarray  # (m,)
     measured: np.ndarray
     fitted: np.ndarray
-    unused: tuple[str, ...]
-    """Columns of the data that nothing was done with"""
+    unused: tuple[str, ...]  # columns of the data that nothing was done with
 
 
 def draw(title: str, curves: Sequence[Curve], file: str | Path | None) -> Figure:

@@ -16,27 +16,19 @@ from softffd.fitting.parameters import Parameter, values_of
 from softffd.fitting.result import Fit
 from softffd.spelling import few
 
-WIDE = 0.5
-"""Standard error along a direction, as a part of the parameters' scale, from which on the data do not show it"""
-TAKES_PART = 0.1
-"""Part of the square of a direction from which on a parameter belongs to it"""
-LEAST = 1e-12
-"""Of a singular value to the size of the curve, and to the largest one"""
-KNOWN = 3.0
-"""A singular value counts where it is so many times the error of the Jacobian"""
-CORRELATED = 3.0
-"""Residuals are no noise where their correlation from row to row is so many standard deviations of that of noise"""
+WIDE = 0.5  # standard error along a direction, as a part of the parameters' scale, from which on the data do not show it
+TAKES_PART = 0.1  # part of the square of a direction from which on a parameter belongs to it
+LEAST = 1e-12  # of a singular value to the size of the curve, and to the largest one
+KNOWN = 3.0  # a singular value counts where it is so many times the error of the Jacobian
+CORRELATED = 3.0  # residuals are no noise where their correlation from row to row is so many standard deviations of that of noise
 
 
 class Jacobian(NamedTuple):
     """Of the curves by the coordinates of the parameters, where and how well it is known."""
 
-    point: np.ndarray
-    """(n,)"""
-    columns: np.ndarray
-    """(m, n)"""
-    errors: np.ndarray
-    """Norms (n,) of the columns' errors"""
+    point: np.ndarray  # (n,)
+    columns: np.ndarray  # (m, n)
+    errors: np.ndarray  # norms (n,) of the columns' errors
 
 
 def estimate(

@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 
-STILL = 1e-9
-"""Relative difference up to which a time is that of another"""
+STILL = 1e-9  # relative difference up to which a time is that of another
 
 
 @dataclass(frozen=True)
@@ -45,22 +44,15 @@ class Experiment:
     plan: Points
     title: str
     match: str
-    against: str
-    """Name of what is in the place of time, or "time\""""
+    against: str  # name of what is in the place of time, or "time"
     units: dict[str, str]
-    measured: np.ndarray
-    """(m,)"""
-    at: np.ndarray
-    """Where: (m,), times [s] or values of `against`"""
-    unused: list[str]
-    """Columns of the data that nothing was done with"""
-    mean: bool
-    """Whether what is matched is a mean of steps, and the data are not"""
-    along_mean: bool
-    """Likewise of `against`"""
+    measured: np.ndarray  # (m,)
+    at: np.ndarray  # where: (m,), times [s] or values of `against`
+    unused: list[str]  # columns of the data that nothing was done with
+    mean: bool  # whether what is matched is a mean of steps, and the data are not
+    along_mean: bool  # likewise of `against`
     over: OverAnother | None
-    course: np.ndarray | None
-    """Of `against` (T,), where it is an input; else it is read from the run"""
+    course: np.ndarray | None  # of `against` (T,), where it is an input; else it is read from the run
 
     def at_points(self, points: Sequence[Mapping[str, float]]) -> Points:
         """The plan of runs with these parameters."""

@@ -35,14 +35,11 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, float], object]
 
-FIRST_STEP = 1e-2
-"""Of the first differences, in coordinates of the parameters: the root of the usual tolerance, 1e-4"""
-LEAST_STEP, MOST_STEP = 1e-5, 0.1
-"""Of all others"""
+FIRST_STEP = 1e-2  # of the first differences, in coordinates of the parameters: the root of the usual tolerance, 1e-4
+LEAST_STEP, MOST_STEP = 1e-5, 0.1  # of all others
 CLOSE = 1e-4
 """The sum of squares changes by less than this, over the number of rows, in the last iteration: by a hundredth of a standard error"""
-SHORT = 1e-7
-"""Or the step is shorter than this part of the coordinates"""
+SHORT = 1e-7  # or the step is shorter than this part of the coordinates
 MOST_ITERATIONS = 50
 
 

@@ -26,8 +26,7 @@ Data = Union[str, Path, np.ndarray, Mapping[str, Sequence[float]], "pd.DataFrame
 class Columns:
     """Measured values (m,) by the names of the FMU's variables, in their units, and `time` [s]."""
 
-    where: str
-    """How messages about them begin"""
+    where: str  # how messages about them begin
     values: dict[str, np.ndarray]
 
     def column(self, name: str) -> np.ndarray:

@@ -28,8 +28,7 @@ class Parameter:
     unit: str
     start: float
     least: float
-    most: float
-    """Ends of its range, infinite where there are none"""
+    most: float  # ends of its range, infinite where there are none
 
     @property
     def positive(self) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from softffd.files import json_text, table_text, write_text
+from softffd.files import finite, json_text, table_text, write_text
 from softffd.fitting.curve import Curve, draw
 
 
@@ -87,10 +87,10 @@ class Fit:
             for name, value in self.values.items()
         }
         curve = self.curves[0]
-        return {
+        return finite({
             "parameters": parameters, "correlations": self.correlations.tolist(), "undetermined": self.undetermined, "match": curve.match,
             "unit": curve.units[curve.match], "deviation": self.deviation, "rows": self.rows, "runs": self.runs, "warnings": self.warnings,
-        }  # fmt: skip
+        })  # fmt: skip
 
     def _as_csv(self) -> str:
         rows = (
@@ -101,8 +101,7 @@ class Fit:
         return table_text(["test", self.curves[0].against, "measured", "fitted", "residual"], rows)
 
 
-FILES = ("fit.json", "fit.csv", "fit.png")
-"""Of Fit.save"""
+FILES = ("fit.json", "fit.csv", "fit.png")  # of Fit.save
 
 
 def _with_error(value: float, error: float) -> str:

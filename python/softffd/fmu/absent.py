@@ -31,10 +31,8 @@ SCENE_NEEDS = {
     "energy_gravity": "[outputs] energy = true and [environment] gravity",
     "solver": "[outputs] solver = true",
     "error_estimate": "[solver] error_estimate = true",
-}
-"""By the part of a family (variables.toml), what brings its variables."""
-OF_VARIABLES = ("inputs", "outputs")
-"""Sections of the scene whose keys choose variables of nearly their names."""
+}  # by the part of a family (variables.toml), what brings its variables
+OF_VARIABLES = ("inputs", "outputs")  # sections of the scene whose keys choose variables of nearly their names
 
 
 def hint_for(name: str, there: Collection[str], choices: Collection[str] | None = None, *, own: bool = True) -> str:

@@ -18,8 +18,7 @@ KINDS: dict[str, tuple[Any, Any]] = {
 TRUTHS = {"true": 1, "1": 1, "false": 0, "0": 0}  # what a Boolean may be given as, in words
 
 
-Calls = Mapping[str, Callable[..., None]]
-"""An instance's functions of the standard, by their names"""
+Calls = Mapping[str, Callable[..., None]]  # an instance's functions of the standard, by their names
 
 
 class Block:
@@ -96,8 +95,7 @@ class Blocks:
         self.values = np.zeros(len(variables))
         kinds = {kind: [n for n, v in enumerate(variables) if v.kind == kind] for kind in dict.fromkeys(v.kind for v in variables)}
         self._blocks = [(Block(calls, [variables[n] for n in places]), places) for places in kinds.values()]
-        self.real = Block(calls, variables) if set(kinds) <= {"Real"} else None
-        """All of them in one block, where all are Reals"""
+        self.real = Block(calls, variables) if set(kinds) <= {"Real"} else None  # all of them in one block, where all are Reals
 
     def set(self, values: np.ndarray) -> None:
         """values (m,): are handed to the component."""

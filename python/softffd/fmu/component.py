@@ -45,8 +45,7 @@ class Component(Instance):
 
     def _open(self, source: Scene | str | Path, running: bool) -> None:
         library = self._unpack(Path(source)) if isinstance(source, str | Path) else self._write(source)
-        self.lattice: LatticeBox | None = self.resources.lattice
-        """Of an FMU of this package; so are these:"""
+        self.lattice: LatticeBox | None = self.resources.lattice  # of an FMU of this package; so are these:
         self.obstacles, self.taxels = self.resources.obstacles(), self.resources.taxels()
         if running:
             self._instantiate(self.interface, self._folder, library, self._name)

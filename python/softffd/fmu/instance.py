@@ -45,10 +45,8 @@ class Instance:
     """One instance; every failing call raises FmuError with its own message. One that nobody closes is freed with the last reference."""
 
     def __init__(self) -> None:
-        self.messages: list[Message] = []
-        """What it has said since it was opened; may be cleared"""
-        self.listener: Callable[[Message], object] | None = None
-        """Is called with every message"""
+        self.messages: list[Message] = []  # what it has said since it was opened; may be cleared
+        self.listener: Callable[[Message], object] | None = None  # is called with every message
         self.calls = dict.fromkeys(CALLS, _refused("there is no instance to call"))
         """The functions of the standard, bound to the instance; one that the FMU does not have answers with FmuError"""
         self._states: set[int] = set()
@@ -245,5 +243,4 @@ def _missing(interface: Interface) -> dict[str, str]:
     }
 
 
-_ABANDONED: list[tuple[Any, ...]] = []
-"""Instances after fmi2Fatal, with the callbacks that their libraries may still call"""
+_ABANDONED: list[tuple[Any, ...]] = []  # instances after fmi2Fatal, with the callbacks that their libraries may still call

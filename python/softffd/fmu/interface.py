@@ -28,19 +28,14 @@ class ScalarVariable:
     """One variable as modelDescription.xml declares it."""
 
     name: str
-    reference: int
-    """Its value reference"""
-    type: str
-    """ "Real", "Integer"; of other programs' FMUs, and of older ones, "Enumeration", "Boolean" or "String" too"""
-    causality: str
-    """ "input", "output", "parameter", ..."""
-    variability: str
-    """ "fixed", "tunable", "continuous", "discrete", ..."""
+    reference: int  # its value reference
+    type: str  # "Real", "Integer"; of other programs' FMUs, and of older ones, "Enumeration", "Boolean" or "String" too
+    causality: str  # "input", "output", "parameter", ...
+    variability: str  # "fixed", "tunable", "continuous", "discrete", ...
     start: float | int | str | None
     unit: str | None
     description: str
-    items: dict[str, int] | None = None
-    """Its values by their names, where they have names: of solver.method, and of enumerations"""
+    items: dict[str, int] | None = None  # its values by their names, where they have names: of solver.method, and of enumerations
 
     @property
     def kind(self) -> str:
@@ -52,27 +47,17 @@ class ScalarVariable:
 class Interface:
     """The part of a model description that a run needs."""
 
-    name: str
-    """modelName"""
-    title: str
-    """Its description, else its name"""
-    identifier: str
-    """modelIdentifier: the library's name"""
+    name: str  # modelName
+    title: str  # its description, else its name
+    identifier: str  # modelIdentifier: the library's name
     guid: str
-    variables: ByName[ScalarVariable]
-    """By name, in the description's order"""
-    flat: bool
-    """Whether its names are flat (softffd.names)"""
-    stop_time: float | None
-    """Of the default experiment [s]"""
-    step: float | None
-    """Its communication step [s]"""
-    interpolates: bool = True
-    """Whether derivatives of inputs are taken"""
-    saves: bool = True
-    """Whether states can be got and set"""
-    serializes: bool = True
-    """Whether states can be turned into bytes and back"""
+    variables: ByName[ScalarVariable]  # by name, in the description's order
+    flat: bool  # whether its names are flat (softffd.names)
+    stop_time: float | None  # of the default experiment [s]
+    step: float | None  # its communication step [s]
+    interpolates: bool = True  # whether derivatives of inputs are taken
+    saves: bool = True  # whether states can be got and set
+    serializes: bool = True  # whether states can be turned into bytes and back
 
 
 def scene_interface(scene: Scene, variables: Iterable[Variable], guid: str) -> Interface:

@@ -24,8 +24,7 @@ NAME = "notes.txt"
 LIGHT, LIGHTEST, WORTH = 0.02, 0.2, 2.0
 """Of the whole mass, what light points have in all at most; of the mean one, what the lightest has at most; how many times shorter steps
 they make at least"""
-WORTH_OF_NODES = 1.5
-"""The last one of a solid's nodes"""
+WORTH_OF_NODES = 1.5  # the last one of a solid's nodes
 
 
 def body_notes(scene: Scene, masses: Masses, samples: Samples | None) -> list[str]:

@@ -26,10 +26,8 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 NAME, HEAD = "scene.txt", "softffd-scene 2"
-NO_TURNING = (1.0, 1.0, 1.0)
-"""Moments of inertia of a body that does not turn [kg m2]"""
-ONE_WAY = 0.5
-"""Of all that the places of a patch have of area along an axis, what must face one way for its taxels to have a pressure"""
+NO_TURNING = (1.0, 1.0, 1.0)  # moments of inertia of a body that does not turn [kg m2]
+ONE_WAY = 0.5  # of all that the places of a patch have of area along an axis, what must face one way for its taxels to have a pressure
 T = TypeVar("T")
 
 

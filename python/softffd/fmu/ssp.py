@@ -29,8 +29,7 @@ from softffd.spelling import did_you_mean
 SSP = "http://ssp-standard.org/SSP1/SystemStructure"
 SPACES = {"ssd": f"{SSP}Description", "ssc": f"{SSP}Common", "ssv": f"{SSP}ParameterValues"}
 FMU, START = "application/x-fmu-sharedlibrary", "resources/start.ssv"
-KEPT = "extra/softffd/{}.json"
-"""Of a component that was made of a scene: that scene"""
+KEPT = "extra/softffd/{}.json"  # of a component that was made of a scene: that scene
 for _prefix, _space in SPACES.items():
     Xml.register_namespace(_prefix, _space)
 

@@ -15,10 +15,8 @@ from xml.etree import ElementTree as Xml
 from softffd.fmu.variables import OF_POINTS, Variable
 from softffd.names import Cell, Part, flat_form, parse_name
 
-PLACE = "terminalsAndIcons/terminalsAndIcons.xml"
-"""In the FMU"""
-WHOLE = "value"
-"""Member of what has no name but its part's: in FMI 3.0 the three components of a load or a probe"""
+PLACE = "terminalsAndIcons/terminalsAndIcons.xml"  # in the FMU
+WHOLE = "value"  # member of what has no name but its part's: in FMI 3.0 the three components of a load or a probe
 
 
 def terminals(variables: Sequence[Variable], fmi: int, *, flat: bool) -> Xml.Element | None:

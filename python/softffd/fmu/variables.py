@@ -35,7 +35,6 @@ STANDARD_GRAVITY = 9.80665  # m/s2
 TOUCHING = {"lattice": "control points", "surface": "points of the surface"}  # what is counted on an obstacle
 READABLE = 20_000  # more variables than this make the descriptions slow to read in many tools
 OF_POINTS = ("forces", "positions", "velocities")  # parts whose instances are control points
-
 _LIST = re.compile(r"[^:]*: (\d+ \w+(?:, \d+ \w+)*)")
 
 Words = dict[str, Any]  # what an instance of a part brings: what stands in its names and descriptions, and its start values
@@ -45,20 +44,13 @@ Words = dict[str, Any]  # what an instance of a part brings: what stands in its 
 class Variable:
     """One variable of the list."""
 
-    family: dict[str, Any]
-    """Its row of the table"""
-    instances: tuple[Words, ...]
-    """What it belongs to: of an array of control points all of them, else one"""
-    components: str
-    """Letters of the last dimension, or of the one component that a scalar is; empty where the family has none"""
-    shape: tuple[int, ...]
-    """Empty for a scalar"""
-    reference: int
-    """Value reference of the first element"""
-    start: tuple[float | int, ...]
-    """One value for all elements, or theirs one by one; empty for outputs"""
-    nominal: float | None
-    """Usual size"""
+    family: dict[str, Any]  # its row of the table
+    instances: tuple[Words, ...]  # what it belongs to: of an array of control points all of them, else one
+    components: str  # letters of the last dimension, or of the one component that a scalar is; empty where the family has none
+    shape: tuple[int, ...]  # empty for a scalar
+    reference: int  # value reference of the first element
+    start: tuple[float | int, ...]  # one value for all elements, or theirs one by one; empty for outputs
+    nominal: float | None  # usual size
 
     @property
     def count(self) -> int:

@@ -73,10 +73,8 @@ class Wiring:
 
     elements: Mapping[str, Element]
     connections: list[Connection] = field(default_factory=list)
-    starts: dict[str, dict[str, float]] = field(default_factory=dict)
-    """By component and variable"""
-    recorded: list[End] = field(default_factory=list)
-    """Outputs that a host is to record, connected or not"""
+    starts: dict[str, dict[str, float]] = field(default_factory=dict)  # by component and variable
+    recorded: list[End] = field(default_factory=list)  # outputs that a host is to record, connected or not
     problems: list[str] = field(default_factory=list)
 
     def connect(self, asked: Iterable[Sequence[Any]]) -> None:

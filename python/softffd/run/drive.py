@@ -27,10 +27,8 @@ if TYPE_CHECKING:
 
 GIVEN_BY = {"communication step": "--step H, in Python step=H", "stop time": "--stop-time T, in Python stop_time=T"}
 """How a user gives what an FMU has no default for."""
-NUMBERS = ("Real", "Integer", "Boolean")
-"""Kinds of variables that a result has; Booleans are 0 and 1 there"""
-PATIENCE = 0.02
-"""A call of the library takes about so long [s]: after it Ctrl-C is heard."""
+NUMBERS = ("Real", "Integer", "Boolean")  # kinds of variables that a result has; Booleans are 0 and 1 there
+PATIENCE = 0.02  # a call of the library takes about so long [s]: after it Ctrl-C is heard
 
 
 def positive(what: str, given: float | None, default: Any, *, after: float = 0.0) -> float:
@@ -106,8 +104,7 @@ class Drive:
         component = self._component = simulation.component
         self._simulation, self.times, self._steps = simulation, times, np.array(step_lengths(times, step))
         self.inputs, self.input_rows = Blocks(component.calls, inputs), np.zeros((len(times), len(inputs)))
-        self.outputs: dict[str, tuple[Block, np.ndarray]] = {}
-        """Block and rows of the outputs of each kind"""
+        self.outputs: dict[str, tuple[Block, np.ndarray]] = {}  # block and rows of the outputs of each kind
         for kind in NUMBERS:
             block = component.block_of([variable for variable in outputs if variable.kind == kind])
             self.outputs[kind] = block, np.zeros((len(times), len(block.names)), float if kind == "Real" else np.int64)
@@ -117,8 +114,7 @@ class Drive:
         self._many = _ManySteps(component.instance, *calls, times.ctypes.data, self._steps.ctypes.data)
         self._many.inputs = _Recorded.of(self._set, self.input_rows)
         self._many.reals, self._many.integers = (_Recorded.of(*self.outputs[kind]) for kind in ("Real", "Integer"))
-        self._together = 1
-        """How many steps at a time take about PATIENCE, as far as is known"""
+        self._together = 1  # how many steps at a time take about PATIENCE, as far as is known
 
     @property
     def done(self) -> int:

@@ -30,12 +30,9 @@ def heights(result: Result, up: np.ndarray) -> dict[str, np.ndarray]:
     return {"highest point": along.max(axis=(1, 2, 3)), "lowest point": along.min(axis=(1, 2, 3))}
 
 
-ESTIMATE = "solver.error_estimate"
-"""The output that estimates the error so far [m]."""
-SLOW = 0.01
-"""Simulated time over run time, below which a run is told what makes it slow."""
-ROUNDING = 1e-9
-"""A depth that is less, as a share of the lattice's size, is none."""
+ESTIMATE = "solver.error_estimate"  # the output that estimates the error so far [m]
+SLOW = 0.01  # simulated time over run time, below which a run is told what makes it slow
+ROUNDING = 1e-9  # a depth that is less, as a share of the lattice's size, is none
 
 
 def findings(result: Result) -> dict[str, Any]:

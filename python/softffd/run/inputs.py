@@ -52,12 +52,10 @@ RATES: dict[str, tuple[str, Rate]] = {
     "plane_normal": ("plane_angular_velocity", between_directions),
     "plane_rotation": ("plane_angular_velocity", lambda first, last: between_orientations(quaternion(first), quaternion(last))),
     "pin_orientation": ("pin_angular_velocity", between_orientations),
-}
-"""Families of poses: the velocity that follows from each, and how"""
+}  # families of poses: the velocity that follows from each, and how
 Source = Union[Callable[[float], Mapping[str, Any]], Mapping[str, Any], np.ndarray, "pd.DataFrame", str, Path]
 
-SLACK = 1e-9
-"""Relative difference up to which a row's time is that of a communication point: multiples of a step are rounded."""
+SLACK = 1e-9  # relative difference up to which a row's time is that of a communication point: multiples of a step are rounded
 
 
 class Inputs:
@@ -81,17 +79,14 @@ class Inputs:
         """start_time: of the run [s]. FmuError where the source is none of these or its values cannot be used."""
         source = {} if source is None else source
         self._start = start_time
-        self.where = f"{shown(Path(source))}: " if isinstance(source, str | Path) else "inputs: "
-        """How messages about the source begin"""
+        self.where = f"{shown(Path(source))}: " if isinstance(source, str | Path) else "inputs: "  # how messages about the source begin
         self._is_file = isinstance(source, str | Path)
         self.is_function, self._steady = callable(source), isinstance(source, Mapping)
         self._held: set[str] = set()
         self._at, self.names = _course(source, self.where, start_time, self._held)
-        self.tuned: dict[str, ScalarVariable] = {}
-        """Tunable parameters that a table gives, by its names; known from `driven` on"""
+        self.tuned: dict[str, ScalarVariable] = {}  # tunable parameters that a table gives, by its names; known from `driven` on
         now = self._at(start_time, False)
-        self.derived_names = list(derived_velocities(now, now, 1.0))
-        """Velocities that follow from given poses"""
+        self.derived_names = list(derived_velocities(now, now, 1.0))  # velocities that follow from given poses
 
     def derive_only(self, names: Iterable[str]) -> None:
         """From here on only those of `derived_names` that are among these, in either form of their names: the inputs of an FMU."""

@@ -7,12 +7,9 @@ import threading
 import time
 from collections.abc import Callable
 
-Note = Callable[[str], None]
-"""Is told in words how far something is, as `ProgressLine.note` and `.say` are."""
-QUIET = 2.0
-"""Without news for so long [s], the line tells how long the stage has taken so far."""
-NOW_AND_THEN = 60.0
-"""And where stderr is no terminal it is told so often [s]."""
+Note = Callable[[str], None]  # is told in words how far something is, as `ProgressLine.note` and `.say` are
+QUIET = 2.0  # without news for so long [s], the line tells how long the stage has taken so far
+NOW_AND_THEN = 60.0  # and where stderr is no terminal it is told so often [s]
 
 
 def silent(_text: str) -> None:

@@ -36,10 +36,8 @@ ROLES = {
     "results.csv": ("result", "Outputs at each communication point of a run with these inputs"),
     "errors.csv": ("report", "Largest difference of each output from a run with a tenth of the tolerance"),
 }
-LEFT_OUT = ("velocity[", "solver.")
-"""What no result is compared by: each control point's, and counts of steps"""
-FINER = 0.1
-"""Tolerance of the run that tells the error, as a part of the scene's"""
+LEFT_OUT = ("velocity[", "solver.")  # what no result is compared by: each control point's, and counts of steps
+FINER = 0.1  # tolerance of the run that tells the error, as a part of the scene's
 
 
 def reference_files(scene: Scene, *, progress: Callable[[float, float], None] | None = None) -> dict[str, bytes]:

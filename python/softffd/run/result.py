@@ -38,8 +38,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-LARGEST_PAGE = 2e6
-"""Characters of an interactive page that a notebook takes into itself."""
+LARGEST_PAGE = 2e6  # characters of an interactive page that a notebook takes into itself
 
 
 class Columns(ByName[T]):

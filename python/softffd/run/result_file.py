@@ -36,8 +36,7 @@ FORMAT, VERSION = "softffd result", 1
 OWN = ("header", "time", "positions", "inputs", "outputs")
 TOLD = ("parameters", "summary", "lattice", "flat_names", "obstacles", "log", "taxels")
 """Fields of the Result that the header has as they are"""
-KEPT = "result.npz"
-"""What the file of a result is called in a folder."""
+KEPT = "result.npz"  # what the file of a result is called in a folder
 
 
 @dataclass(frozen=True)

@@ -113,8 +113,7 @@ class _Run(Drive):
         times = communication_points(stop_time, step, simulation.time, bytes_each=8 * recorded)
         super().__init__(simulation, times, step, driven, outputs, single=source.is_function or interpolation != "held")
         self._source = source
-        self._tuning = source.changes(times)
-        """What tunable parameters are still to change to, by rows"""
+        self._tuning = source.changes(times)  # what tunable parameters are still to change to, by rows
         self._slopes = {"linear": source.rates, "cubic": source.bends}.get(interpolation)
         self._moving = [n for n, variable in enumerate(driven[: len(source.names)]) if variable.kind == "Real"]
         """Which of the source's names are Reals that it gives itself"""

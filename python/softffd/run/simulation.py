@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from softffd.lattice import LatticeBox
     from softffd.scene.scene import Scene
 
-HEAD = struct.Struct("<8sd?")
-"""Before the FMU's own bytes of a state: a mark, the time [s], whether the first step is still to come"""
+HEAD = struct.Struct("<8sd?")  # before the FMU's own bytes of a state: a mark, the time [s], whether the first step is still to come
 MARK = b"softffd1"
 
 
@@ -271,8 +270,7 @@ class Simulation(Variables):
         return [choice for message in self.log if (choice := choice_in(message.text))]
 
 
-BEGINS = "; internal step"
-"""What follows method and reason in the message of a choice."""
+BEGINS = "; internal step"  # what follows method and reason in the message of a choice
 
 
 def choice_in(text: str) -> tuple[str, str] | None:

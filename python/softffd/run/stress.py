@@ -32,10 +32,8 @@ from softffd.scene.springs import WAYS, cell_stiffness
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
-CENTRES = np.array([1.0, 3.0, 5.0]) / 6
-"""Of the cells along an axis of a patch"""
-FOLDING = 0.3
-"""J0"""
+CENTRES = np.array([1.0, 3.0, 5.0]) / 6  # of the cells along an axis of a patch
+FOLDING = 0.3  # J0
 
 
 def deformation(positions: np.ndarray, rest: np.ndarray) -> np.ndarray:

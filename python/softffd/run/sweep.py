@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 COMPARED = ("fmu", "library", "values", "outputs", "start_values", "inputs", "stop_time", "step", "tolerance", "method")
-KEEP_EVERY = 10.0
-"""The file of a sweep is written so often [s]."""
+KEEP_EVERY = 10.0  # the file of a sweep is written so often [s]
 
 
 def sweep(

@@ -30,15 +30,13 @@ END, COURSE, FOLDS = "end", "course", ("max", "min", "mean")
 MOST_RUNS = 10_000_000
 SETTABLE = ("parameter", "input")
 
-Index = tuple[int, ...]
-"""Of a run in the grid"""
+Index = tuple[int, ...]  # of a run in the grid
 
 
 class Reading(NamedTuple):
     """What is read of a run: an output at its end, or folded over its communication points."""
 
-    fold: str
-    """ "end", "max", "min" or "mean"; of a fit "course", all its values"""
+    fold: str  # "end", "max", "min" or "mean"; of a fit "course", all its values
     name: str
 
     def __str__(self) -> str:
@@ -50,24 +48,17 @@ class Plan:
     """All that a worker needs, and what tells one sweep from another. It goes to other processes."""
 
     source: Scene | Path
-    given: dict[str, list[Any]]
-    """The values of each varied variable as they were given: numbers or names"""
-    numbers: dict[str, list[Any]]
-    """The numbers that stand for them; of a String its texts"""
+    given: dict[str, list[Any]]  # the values of each varied variable as they were given: numbers or names
+    numbers: dict[str, list[Any]]  # the numbers that stand for them; of a String its texts
     readings: tuple[Reading, ...]
     start_values: dict[str, Any]
-    settings: dict[str, Any]
-    """tolerance and method of all runs, where they are given"""
+    settings: dict[str, Any]  # tolerance and method of all runs, where they are given
     stop_time: float
     step: float
-    times: np.ndarray
-    """The communication points (T,) [s]"""
-    driven: tuple[str, ...]
-    """Inputs that go over time"""
-    course: np.ndarray
-    """Their values (T - 1, m) from each communication point to the next"""
-    about: dict[str, Any]
-    """Title, units and the fingerprints of the FMU and its library"""
+    times: np.ndarray  # the communication points (T,) [s]
+    driven: tuple[str, ...]  # inputs that go over time
+    course: np.ndarray  # their values (T - 1, m) from each communication point to the next
+    about: dict[str, Any]  # title, units and the fingerprints of the FMU and its library
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -25,12 +25,10 @@ from softffd.run.sweep_plan import COURSE, END, Index, Plan
 FOLD: dict[str, Callable[[np.ndarray], Any]] = {
     END: lambda column: column[-1], "max": np.max, "min": np.min, "mean": np.mean, COURSE: lambda column: column,
 }  # fmt: skip
-CHUNKS, TOGETHER = 64, 50
-"""Runs go to an executor in about so many chunks, of so many runs at most: an interrupt loses what is in them"""
+CHUNKS, TOGETHER = 64, 50  # runs go to an executor in about so many chunks, of so many runs at most: an interrupt loses what is in them
 LOST = "the worker process ended, each time that it was tried"
 
-Readings = np.ndarray | str
-"""Of a run what was read (r,), of whole courses (r, T), or the words of what failed"""
+Readings = np.ndarray | str  # of a run what was read (r,), of whole courses (r, T), or the words of what failed
 Make = Callable[[Plan, Sequence[Index]], Generator[tuple[Index, Readings]]]
 """Makes runs of a plan; yields them as they come. To leave the iteration early ends or takes back what is under way."""
 

@@ -19,10 +19,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-POINTS = ("time", "i", "j", "k", "axis")
-"""Dimensions of what there is at control points."""
-SEPARATORS = {";": "semicolons", "\t": "tabs"}
-"""What other programs put where a comma is wanted."""
+POINTS = ("time", "i", "j", "k", "axis")  # dimensions of what there is at control points
+SEPARATORS = {";": "semicolons", "\t": "tabs"}  # what other programs put where a comma is wanted
 
 
 # ---- that come in ----

@@ -3,16 +3,13 @@
 import math
 from collections.abc import Callable, Sequence
 
-MOST = 31
-"""Cells along an axis."""
-PATCH = 3
-"""Cells along an axis of a solid's patch"""
+MOST = 31  # cells along an axis
+PATCH = 3  # cells along an axis of a solid's patch
 LONGEST, FLATTEST = math.sqrt(1.5), math.sqrt(2)
 """How many times longer a cell of springs may be in one direction than in the other two, and in two than in the third."""
 SLENDER, SLENDER_PATCH = 2.5, 4.0
 """How many times longer a cell of a solid may be in one direction than in another; those of a single patch"""
-Fits = Callable[[Sequence[float], Sequence[int]], bool]
-"""Whether a body can have so many cells in a box of these sides [m]"""
+Fits = Callable[[Sequence[float], Sequence[int]], bool]  # whether a body can have so many cells in a box of these sides [m]
 
 
 def cells_of(cells: int | None, spacing: float | None, size: Sequence[float], multiple: int = 1) -> tuple[int, ...]:

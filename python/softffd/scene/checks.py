@@ -19,8 +19,7 @@ from softffd.scene.selection import Selection, flat_indices
 from softffd.scene.sensor import Sensor
 from softffd.spelling import did_you_mean, nearest_of
 
-ROUNDING = 1e-9
-"""By how much of its edge a point may be outside the box"""
+ROUNDING = 1e-9  # by how much of its edge a point may be outside the box
 
 
 def cross_check(draft: Draft) -> list[Fault]:

@@ -11,13 +11,10 @@ from softffd.scene.keys import SOLIDS
 from softffd.scene.rigid import Pin, Solid
 from softffd.scene.selection import flat_indices
 
-METHODS = ("auto", "leapfrog", "sdirk2")
-"""Those that push free bodies back"""
-KEYS = ("mass", "density", "inertia", "guide")
-"""Of free bodies alone"""
+METHODS = ("auto", "leapfrog", "sdirk2")  # those that push free bodies back
+KEYS = ("mass", "density", "inertia", "guide")  # of free bodies alone
 FREE, NO_TURNING = 'motion = "free"', "none beside guide, along which the body does not turn"
-ROUNDING = 1e-9
-"""By which fraction an inertia may exceed the sum of the others, and a velocity be off its guide"""
+ROUNDING = 1e-9  # by which fraction an inertia may exceed the sum of the others, and a velocity be off its guide
 
 
 def free_check(draft: Draft) -> Iterator[Fault]:

@@ -20,20 +20,17 @@ OF_SPRINGS = {
     ("lattice", "springs"): "it has no springs",
     ("mass", "uniform_share"): "none of its nodes is nearly massless",
     ("mass", "inertia"): "its masses match the inertia of the object where that is possible",
-}
-"""Keys that a solid has not, and what it has in their place"""
+}  # keys that a solid has not, and what it has in their place
 OF_REGIONS_OF_SPRINGS = {
     "stiffness": "all of it has material.youngs_modulus",
     "youngs_modulus": "all of it has material.youngs_modulus",
     "internal_damping": "all of it has material.internal_damping",
     "density": "give mass, of each of the points",
-}
-"""The same of a region"""
+}  # the same of a region
 OF_SOLIDS = {
     ("material", "poissons_ratio"): "that of springs is 1/4",
     ("material", "density"): "give mass.density",
-}
-"""Keys that springs have not, and what they have in their place"""
+}  # keys that springs have not, and what they have in their place
 OF_PROBES_OF_SOLIDS = dict.fromkeys(("stress", "von_mises", "stretch"), "Result.stress and Result.strain have those of the cells")
 """The same of a probe"""
 METHODS, IMPLICIT = ("auto", "leapfrog", "bm4", "rkn12", "dop853"), ("ros34pw2", "backward_euler", "sdirk2")

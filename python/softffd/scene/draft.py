@@ -21,10 +21,8 @@ from softffd.scene.sections import Contact, Lattice, Mass, Material, MeshFile, S
 
 MEETING = ("auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler", "sdirk2")
 """Methods that may be asked for beside contact of the surface"""
-STIFFNESS = 1e3
-"""Of springs where a scene says neither stiffness nor modulus [N/m]."""
-POISSONS_RATIO = 0.45
-"""Of a solid where a scene does not say"""
+STIFFNESS = 1e3  # of springs where a scene says neither stiffness nor modulus [N/m]
+POISSONS_RATIO = 0.45  # of a solid where a scene does not say
 Triple = tuple[float, float, float]
 
 

@@ -24,8 +24,7 @@ class KeptScene:
 
     path: Any
     keys: dict[str, Any]
-    mesh: str | None
-    """Fingerprint of the mesh that was read"""
+    mesh: str | None  # fingerprint of the mesh that was read
 
     @classmethod
     def of(cls, scene: Scene) -> KeptScene:

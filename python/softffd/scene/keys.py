@@ -7,8 +7,7 @@ from softffd.scene.section import Section, Text, key
 from softffd.scene.sensor import Sensor
 
 SOLIDS = ("sphere", "cylinder", "box")
-OBSTACLES = ("plane", *SOLIDS)
-"""Sections of obstacles, in the order of the library"""
+OBSTACLES = ("plane", *SOLIDS)  # sections of obstacles, in the order of the library
 
 
 class SceneKeys(Section):

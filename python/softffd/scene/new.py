@@ -19,8 +19,7 @@ from softffd.spelling import wanted_one_of
 
 TEMPLATE, MESH_TEMPLATE = (Path(__file__).parent / f"{name}.toml" for name in ("template", "mesh_template"))
 GRAVITY = 9.81
-DENSITY = 100.0
-"""Of soft foam, kg/m3."""
+DENSITY = 100.0  # of soft foam, kg/m3
 FALL, STIFFNESS, DAMPING, STOP = 0.25, 1.2, 0.2, 7.0
 """Height of the fall by the longest side; stiffness by weight over height; internal damping by the time in which one falls half
 the height; end by the time for half the longest side. Meshes of many shapes then bend visibly, keep the tolerance and lie still."""

@@ -24,8 +24,7 @@ from softffd.scene.rigid import Pin
 from softffd.scene.selection import Selection, flat_indices
 from softffd.spelling import did_you_mean, nearest_of
 
-NAMELESS = Path("scene.toml")
-"""Where a scene without a file would stand."""
+NAMELESS = Path("scene.toml")  # where a scene without a file would stand
 
 
 class Scene(SceneKeys):

@@ -6,8 +6,7 @@ from pydantic import AfterValidator, Field, Strict, Tag
 
 from softffd.scene.section import NAME, Name, Section, Text, Vector, key, list_of, list_schema, one_of, refusal
 
-MOST = 64
-"""Taxels along a side"""
+MOST = 64  # taxels along a side
 Corners = Annotated[tuple[Vector, Vector], list_of(2, "2 corners [[x, y, z], [x, y, z]]")]
 Side = Annotated[int, Strict(), Field(ge=1, le=MOST)]
 Sides = Annotated[tuple[Side, Side], list_of(2, "2 whole numbers [n, m]"), list_schema(2, type="integer", minimum=1, maximum=MOST)]
