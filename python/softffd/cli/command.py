@@ -3,8 +3,6 @@
 Each command loads what it needs itself: what reads scenes and runs them takes a third of a second.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import json
@@ -15,16 +13,12 @@ from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from softffd.cli.options import parse, run_options
 from softffd.errors import Interrupted, SoftffdError
 from softffd.files import require_new, require_writable, size_of
 from softffd.run.progress import ProgressLine
-
-if TYPE_CHECKING:
-    from softffd.run.inputs import Inputs
-    from softffd.run.simulation import Simulation
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -123,7 +117,7 @@ def _run(options: argparse.Namespace) -> None:
             folder = free_folder(wanted)
         require_writable(folder)
 
-        def begun(simulation: Simulation, inputs: Inputs) -> None:
+        def begun(simulation: Any, inputs: Any) -> None:
             progress.say(told_before(simulation, inputs))
             progress.stage("simulating")
 

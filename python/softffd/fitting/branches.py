@@ -59,11 +59,6 @@ def at_middles(times: np.ndarray, column: np.ndarray, *, mean: bool, means: bool
     return column[1:] if mean else (column[1:] + column[:-1]) / 2
 
 
-def over_time(times: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Values (n,) at growing times, linear between them and beyond the ends, at the times wanted (m,)."""
-    return _linear(wanted, times, values)
-
-
 class OverAnother:
     """Which branch each row of the data belongs to; known from the beginning, as the data do not change."""
 
@@ -87,7 +82,7 @@ class OverAnother:
             x, y = _moving(here, along, values)
             if strict:
                 self._require_within(rows, x)
-            result[rows] = _linear(self.measured[rows], x, y)
+            result[rows] = over_time(x, y, self.measured[rows])
         return result
 
     def _require_within(self, rows: slice, x: np.ndarray) -> None:
@@ -110,11 +105,13 @@ def _moving(branch: Branch, along: np.ndarray, values: np.ndarray) -> tuple[np.n
     return x[on][:: branch.sign], y[on][:: branch.sign]
 
 
-def _linear(wanted: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    if len(x) < 2:
-        return np.full(len(wanted), y[0])
-    places = np.clip(np.searchsorted(x, wanted) - 1, 0, len(x) - 2)
-    return y[places] + (wanted - x[places]) * (y[places + 1] - y[places]) / (x[places + 1] - x[places])
+def over_time(times: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Values (n,) at growing times, linear between them and beyond the ends, at the times wanted (m,)."""
+    if len(times) < 2:
+        return np.full(len(wanted), values[0])
+    places = np.clip(np.searchsorted(times, wanted) - 1, 0, len(times) - 2)
+    ahead, step = wanted - times[places], times[places + 1] - times[places]
+    return values[places] + ahead * (values[places + 1] - values[places]) / step
 
 
 def _told(signs: list[int]) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 
 from softffd.errors import SoftffdError, UnknownName
+from softffd.fmu.component import Component
 from softffd.names import structured
 from softffd.run.tables import is_data_frame, read_csv, require_course, structured_array
 from softffd.spelling import did_you_mean, few, nearest_of
@@ -17,7 +18,6 @@ from softffd.spelling import did_you_mean, few, nearest_of
 if TYPE_CHECKING:
     import pandas as pd
 
-    from softffd.fmu.component import Component
 
 Data = Union[str, Path, np.ndarray, Mapping[str, Sequence[float]], "pd.DataFrame"]
 

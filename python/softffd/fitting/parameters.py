@@ -1,23 +1,19 @@
 """The parameters of a fit as coordinates of one scale: logarithms of positive ones, fractions of their range for those with two ends."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import number_of
+from softffd.fmu.component import Component
+from softffd.fmu.interface import ScalarVariable
 from softffd.names import range_of
 from softffd.run.parts import at_point
 from softffd.spelling import few
-
-if TYPE_CHECKING:
-    from softffd.fmu.component import Component
-    from softffd.fmu.interface import ScalarVariable
 
 
 @dataclass(frozen=True)

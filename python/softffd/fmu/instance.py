@@ -1,21 +1,16 @@
 """An instance of an FMU's library: its functions with kept buffers, its states, its messages, its end. fmpy loads it."""
 
-from __future__ import annotations
-
 import hashlib
 import weakref
 from collections.abc import Callable
 from contextlib import chdir
 from ctypes import byref, c_char, c_double, c_int, c_size_t, c_void_p, cast, create_string_buffer
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 from softffd.errors import FmuError
 from softffd.fmu.archive import of_another_machine
 from softffd.fmu.interface import Interface
-
-if TYPE_CHECKING:
-    from fmpy.fmi2 import fmi2CallbackFunctions
 
 WARNING, DISCARD, FATAL = 1, 2, 4
 RATES = "fmi2SetRealInputDerivatives"
@@ -78,7 +73,7 @@ class Instance:
         self.calls.update({name: _bound(getattr(slave.dll, name), instance, self.check) for name in CALLS})
         self.calls.update({name: _refused(f"{interface.name}: this FMU {why}") for name, why in _missing(interface).items()})
 
-    def _make_callbacks(self) -> fmi2CallbackFunctions:
+    def _make_callbacks(self) -> Any:
         from fmpy import calloc, fmi2, free
 
         callbacks = fmi2.fmi2CallbackFunctions()

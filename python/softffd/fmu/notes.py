@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from softffd.embedding.mass import filled_words, flat_shares
+from softffd.embedding.mass import Masses, filled_words, flat_shares
 from softffd.embedding.nodes import volume_shares
+from softffd.embedding.samples import Samples
 from softffd.lattice import point_at
 from softffd.rotation import turned
 from softffd.scene.springs import WAYS, springs
 
 if TYPE_CHECKING:
-    from softffd.embedding.mass import Masses
-    from softffd.embedding.samples import Samples
     from softffd.scene.scene import Scene
 
 NAME = "notes.txt"

@@ -13,17 +13,15 @@ import time as clock
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from ctypes import POINTER, Structure, byref, c_int, c_longlong, c_size_t, c_void_p, cast
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from softffd.errors import FmuError
 from softffd.fmu.block import Block, Blocks, one_number
+from softffd.fmu.interface import ScalarVariable
 from softffd.installed import library_function
 from softffd.run.simulation import Simulation
-
-if TYPE_CHECKING:
-    from softffd.fmu.interface import ScalarVariable
 
 GIVEN_BY = {"communication step": "--step H, in Python step=H", "stop time": "--stop-time T, in Python stop_time=T"}
 """How a user gives what an FMU has no default for."""

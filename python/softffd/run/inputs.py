@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 
 from softffd.errors import FmuError
+from softffd.fmu.component import Component
+from softffd.fmu.interface import ScalarVariable
 from softffd.names import is_pose, parse_name, structured, vector_names
 from softffd.rotation import between_directions, between_orientations, nearer, quaternion
 from softffd.run.tables import is_data_frame, read_csv, require_course, table_of
@@ -19,9 +21,6 @@ from softffd.scene.document import shown
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from softffd.fmu.component import Component
-    from softffd.fmu.interface import ScalarVariable
 
 
 def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step: float) -> dict[str, float]:

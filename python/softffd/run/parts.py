@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Generic, TypeVar, overload
+from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from softffd.errors import FmuError, UnknownName
+from softffd.fmu.component import Component
+from softffd.fmu.interface import ScalarVariable
 from softffd.names import Cell, parse_name, parts_of, variable_names, vector_names
 from softffd.run.variables import Variables
 from softffd.spelling import did_you_mean, nearest_of
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from softffd.fmu.component import Component
-    from softffd.fmu.interface import ScalarVariable
 
 T = TypeVar("T")
 

@@ -6,10 +6,7 @@
     errors.csv     of each output its unit and its largest difference from a run with a tenth of the tolerance
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
 
 import numpy as np
@@ -18,11 +15,9 @@ from softffd.files import table_text
 from softffd.fmu.model_description import xml_text
 from softffd.names import structured, unit_of, variable_names
 from softffd.run.inputs import Inputs
+from softffd.run.result import Result
 from softffd.run.simulate import simulate
-
-if TYPE_CHECKING:
-    from softffd.run.result import Result
-    from softffd.scene.scene import Scene
+from softffd.scene.scene import Scene
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 LAYERED = "http://fmi-standard.org/fmi-ls-manifest"

@@ -22,11 +22,11 @@ from softffd.run.simulate import simulate
 from softffd.run.simulation import Simulation
 from softffd.run.tables import is_data_frame, read_csv, structured_array, table_of
 from softffd.scene.kept import KeptScene
+from softffd.scene.scene import Scene
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from softffd.scene.scene import Scene
 
 Rows = Union[np.ndarray, "pd.DataFrame", str, Path]
 

@@ -15,6 +15,7 @@ import numpy as np
 from softffd.embedding.deform import deform
 from softffd.errors import MeshError, SoftffdError, UnknownName
 from softffd.files import write_bytes
+from softffd.fmu.instance import Message
 from softffd.lattice import LatticeBox, all_points
 from softffd.names import OBSTACLES, ByName, Part, listed, parts_of, variable_name, variable_names, vector_names
 from softffd.obstacles import Obstacles
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from softffd.fmu.instance import Message
     from softffd.mesh.mesh import Mesh
     from softffd.scene.scene import Scene
 

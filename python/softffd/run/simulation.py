@@ -10,19 +10,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from softffd.errors import FmuError
 from softffd.fmu.block import one_number
 from softffd.fmu.component import Component
 from softffd.fmu.instance import Message
+from softffd.lattice import LatticeBox
 from softffd.names import OBSTACLES, part_names
 from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Sensor, Vectors
 from softffd.run.variables import Variables
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
-    from softffd.lattice import LatticeBox
     from softffd.scene.scene import Scene
 
 HEAD = struct.Struct("<8sd?")  # before the FMU's own bytes of a state: a mark, the time [s], whether the first step is still to come

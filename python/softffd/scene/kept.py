@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from softffd.errors import SceneError
+from softffd.lattice import LatticeBox
+from softffd.mesh.mesh import Mesh
 from softffd.scene.document import SHIPPED
 
 if TYPE_CHECKING:
-    from softffd.lattice import LatticeBox
-    from softffd.mesh.mesh import Mesh
     from softffd.scene.scene import Scene
 
 
