@@ -97,20 +97,15 @@ def flat_form(name: str) -> str:
     return name.translate(_FLAT)
 
 
-def meant_by(name: str) -> list[str]:
-    """Everything that stands for this variable: its name and the beginnings of it, position[0,0,1].x, position[0,0,1], position; of a name
-    of the table the flat forms of these too."""
-    name = structured(name)
-    whole = [name, *(name[: found.start()] for found in re.finditer(r"[.\[]", name))]
-    return list(dict.fromkeys([*whole, *map(flat_form, whole)])) if parse_name(name) else whole
-
-
 def belonging(names: Iterable[str]) -> dict[str, list[str]]:
-    """By everything that stands for some of these variables the names of those: of position all control points'."""
+    """By everything that stands for some of these variables the names of those: by a name, position[0,0,1].x, and by the beginnings of it,
+    position[0,0,1] and position; for names of the table by the flat forms of these too."""
     found: dict[str, list[str]] = {}
-    for name in names:
-        for each in meant_by(name):
-            found.setdefault(each, []).append(name)
+    for given in names:
+        name = structured(given)
+        whole = [name, *(name[: part.start()] for part in re.finditer(r"[.\[]", name))]
+        for each in dict.fromkeys([*whole, *map(flat_form, whole)]) if parse_name(name) else whole:
+            found.setdefault(each, []).append(given)
     return found
 
 

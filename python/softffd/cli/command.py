@@ -73,9 +73,9 @@ def _demo(options: argparse.Namespace) -> None:
 
 
 def _build(options: argparse.Namespace) -> None:
-    from softffd.fmu.notes import body_notes
+    from softffd.fmu.notes import body_notes, size_warning
     from softffd.fmu.package import package_fmu, platform_notes, scene_masses, scene_samples
-    from softffd.fmu.variables import size_warning, variables
+    from softffd.fmu.variables import variables
     from softffd.installed import least_glibc, libraries
     from softffd.scene.scene import load_scene
 

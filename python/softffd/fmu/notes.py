@@ -24,6 +24,7 @@ LIGHT, LIGHTEST, WORTH = 0.02, 0.2, 2.0
 """Of the whole mass, what light points have in all at most; of the mean one, what the lightest has at most; how many times shorter steps
 they make at least"""
 WORTH_OF_NODES = 1.5  # the last one of a solid's nodes
+READABLE = 20_000  # more variables than this make the descriptions slow to read in many tools
 
 
 def body_notes(scene: Scene, masses: Masses, samples: Samples | None) -> list[str]:
@@ -171,3 +172,20 @@ def free_note(scene: Scene) -> str | None:
     """That free obstacles do not meet each other, where there are several."""
     free = [str(solid.part) for solid in scene.solids if solid.motion == "free"]
     return f"free obstacles do not meet each other: {', '.join(free)}" if len(free) > 1 else None
+
+
+def size_warning(scene: Scene, count: int) -> str | None:
+    """What to say about a scene of so many variables, and which keys make them; None where they are not too many."""
+    if count <= READABLE:
+        return None
+    keys = {
+        "outputs.positions": scene.outputs.positions,
+        "outputs.velocities": scene.outputs.velocities,
+        "inputs.forces": scene.inputs.forces,
+    }
+    made = sorted(((3 * len(scene.select(points)), key) for key, points in keys.items()), reverse=True)
+    listed = ", ".join(f"{key} makes {number}" for number, key in made if number)
+    return (
+        f"{count} variables, of which {listed}: many tools are slow to read more than {READABLE}; select fewer control points there, "
+        "follow places of the object by [[probe]] and push it by [[load]], or build for FMI 3.0 (--fmi 3), where each of these is one array"
+    )

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 
 STANDARD_GRAVITY = 9.80665  # m/s2
 TOUCHING = {"lattice": "control points", "surface": "points of the surface"}  # what is counted on an obstacle
-READABLE = 20_000  # more variables than this make the descriptions slow to read in many tools
 OF_POINTS = ("forces", "positions", "velocities")  # parts whose instances are control points
 _LIST = re.compile(r"[^:]*: (\d+ \w+(?:, \d+ \w+)*)")
 
@@ -294,20 +293,3 @@ def _box(points: list[Any]) -> tuple[tuple[int, ...], str]:
         ranges = (f"{axis} = {first}" + (f" to {last}" if last > first else "") for axis, first, last in zip("ijk", low, high, strict=True))
         return tuple(map(int, sides)), f"(i,j,k), {', '.join(ranges)}"
     return (len(points),), "(i,j,k) = " + ", ".join(f"({i},{j},{k})" for i, j, k in points)
-
-
-def size_warning(scene: Scene, count: int) -> str | None:
-    """What to say about a scene of so many variables, and which keys make them; None where they are not too many."""
-    if count <= READABLE:
-        return None
-    keys = {
-        "outputs.positions": scene.outputs.positions,
-        "outputs.velocities": scene.outputs.velocities,
-        "inputs.forces": scene.inputs.forces,
-    }
-    made = sorted(((3 * len(scene.select(points)), key) for key, points in keys.items()), reverse=True)
-    listed = ", ".join(f"{key} makes {number}" for number, key in made if number)
-    return (
-        f"{count} variables, of which {listed}: many tools are slow to read more than {READABLE}; select fewer control points there, "
-        "follow places of the object by [[probe]] and push it by [[load]], or build for FMI 3.0 (--fmi 3), where each of these is one array"
-    )

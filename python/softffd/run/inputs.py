@@ -16,7 +16,7 @@ from softffd.fmu.component import Component
 from softffd.fmu.interface import ScalarVariable
 from softffd.names import is_pose, parse_name, structured, vector_names
 from softffd.rotation import between_directions, between_orientations, nearer, quaternion
-from softffd.run.tables import is_data_frame, read_csv, require_course, table_of
+from softffd.run.tables import checked, is_data_frame, read_csv, table_of
 from softffd.scene.document import shown
 
 if TYPE_CHECKING:
@@ -206,7 +206,7 @@ def _course(source: Source, where: str, start: float, held: set[str]) -> tuple[C
     if isinstance(source, str | Path):
         return _of_table(read_csv(Path(source)), where, held)
     if is_data_frame(source) or isinstance(source, np.ndarray):
-        return _of_table(_checked(table_of(source) if is_data_frame(source) else source), where, held)
+        return _of_table(checked(table_of(source) if is_data_frame(source) else source), where, held)
     wanted = "a function of time, a dict of constants, a structured array, a DataFrame or a CSV file"
     raise FmuError(f"{where}wanted {wanted}, got {type(source).__name__}: {source!r:.70}")
 
@@ -292,16 +292,3 @@ def _of_table(table: np.ndarray, where: str, held: set[str]) -> tuple[Course, li
         }
 
     return course, names
-
-
-def _checked(table: np.ndarray) -> np.ndarray:
-    names = table.dtype.names
-    if not names or names[0] != "time":
-        raise FmuError(f"inputs: wanted a structured array whose first field is `time`, got {f'fields {names}' if names else table.dtype}")
-    if len(table.shape) != 1 or not len(table):
-        raise FmuError(f"inputs: wanted a structured array (rows,) of at least one row, got the shape {table.shape}")
-    for name in names:
-        if table[name].shape != table.shape or table[name].dtype.kind not in "fiu":
-            raise FmuError(f"inputs: {name}: wanted a column of numbers, got {table.dtype[name]}")
-    require_course(table, "inputs")
-    return table

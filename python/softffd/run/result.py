@@ -24,7 +24,7 @@ from softffd.run.parts import require_name
 from softffd.run.pressure import Covered, covered, grid_of, surface_pressure, taxel_pressure
 from softffd.run.result_file import read_result, write_files
 from softffd.run.stress import deformation, green_strain, lattice_gradients, lattice_stress
-from softffd.run.tables import data_frame, dataset
+from softffd.run.tables import dataset, package
 from softffd.spelling import did_you_mean, nearest_of
 from softffd.taxels import TaxelGrid
 
@@ -278,7 +278,8 @@ class Result:
 
     def to_dataframe(self) -> pd.DataFrame:
         """Outputs and inputs as a DataFrame, whose index is the time [s]: `columns` and `inputs`. Needs softffd[dataframes]."""
-        return data_frame(self.time, {**self.columns(), **self.inputs})
+        pandas = package("pandas", "to_dataframe", "dataframes")
+        return pandas.DataFrame({**self.columns(), **self.inputs}, index=pandas.Index(self.time, name="time"))
 
     def to_xarray(self) -> xr.Dataset:
         """Outputs and inputs as a Dataset with units: a vector is one array (time, axis), those at control points (time, i, j, k, axis), as

@@ -110,21 +110,13 @@ def cauchy_stress(gradient: np.ndarray, stiffness: np.ndarray, sides: np.ndarray
 # ---- of a solid ----
 
 
-def patch_gradients(positions: np.ndarray, size: Sequence[float]) -> np.ndarray:
-    """F at the centres of the cells (..., nx - 1, ny - 1, nz - 1, 3, 3).
-
-    positions: of the control points (..., nx, ny, nz, 3) [m]; size: of the box at rest (3,) [m].
-    """
-    return _gradients(positions, size, CENTRES)
-
-
 def solid_stress(positions: np.ndarray, size: Sequence[float], modulus: float, ratio: float) -> np.ndarray:
     """Cauchy stress (..., nx - 1, ny - 1, nz - 1, 3, 3) [Pa] of a solid of Young's modulus [Pa] and Poisson's ratio there; NaN where it is
     inverted. positions and size as above."""
     mu, lame = modulus / (2 * (1 + ratio)), modulus * ratio / ((1 + ratio) * (1 - 2 * ratio))
     gradient = patch_gradients(positions, size)
     change = np.linalg.det(gradient)
-    at_nodes = np.linalg.det(_gradients(positions, size, PLACES))[..., None] - 1
+    at_nodes = np.linalg.det(patch_gradients(positions, size, PLACES))[..., None] - 1
     projected = along_axes(at_nodes, [np.kron(np.eye(n // 3), _projection()) for n in positions.shape[-4:-1]])[..., 0]
     pressure = mu * (change - 2) + lame * projected - lame * np.maximum(FOLDING - change, 0) ** 2 / FOLDING
     stretched = gradient @ np.swapaxes(gradient, -1, -2)
@@ -132,8 +124,12 @@ def solid_stress(positions: np.ndarray, size: Sequence[float], modulus: float, r
     return np.asarray(mu * stretched / whole + np.where(change > 0, pressure, np.nan)[..., None, None] * np.eye(3))
 
 
-def _gradients(positions: np.ndarray, size: Sequence[float], places: np.ndarray) -> np.ndarray:
-    """F at these places (m,) of every patch along each axis, (..., m nx / 3, .., 3, 3); where patches meet, as each of them has it."""
+def patch_gradients(positions: np.ndarray, size: Sequence[float], places: np.ndarray = CENTRES) -> np.ndarray:
+    """F at these places (m,) of every patch along each axis, (..., m nx / 3, .., 3, 3), by default at the centres of the cells
+    (..., nx - 1, ny - 1, nz - 1, 3, 3); where patches meet, as each of them has it.
+
+    positions: of the control points (..., nx, ny, nz, 3) [m]; size: of the box at rest (3,) [m].
+    """
     counts = positions.shape[-4:-1]
     values = [_patches(weights(places, 4), n) for n in counts]
     slopes = [_patches(_slopes(places), n) * (n // 3 / side) for n, side in zip(counts, size, strict=True)]

@@ -16,7 +16,6 @@ from softffd.run.parts import at_point, places
 from softffd.spelling import did_you_mean, nearest_of, number_in
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
 POINTS = ("time", "i", "j", "k", "axis")  # dimensions of what there is at control points
@@ -81,6 +80,20 @@ def require_course(table: np.ndarray, what: str | list[str]) -> None:
         raise FmuError(f"{called(wrong[0] + 1)}: the times must not decrease, got {after:g} after {before:g}")
 
 
+def checked(table: np.ndarray) -> np.ndarray:
+    """The structured array itself, if it can be inputs over time; FmuError otherwise."""
+    names = table.dtype.names
+    if not names or names[0] != "time":
+        raise FmuError(f"inputs: wanted a structured array whose first field is `time`, got {f'fields {names}' if names else table.dtype}")
+    if len(table.shape) != 1 or not len(table):
+        raise FmuError(f"inputs: wanted a structured array (rows,) of at least one row, got the shape {table.shape}")
+    for name in names:
+        if table[name].shape != table.shape or table[name].dtype.kind not in "fiu":
+            raise FmuError(f"inputs: {name}: wanted a column of numbers, got {table.dtype[name]}")
+    require_course(table, "inputs")
+    return table
+
+
 def _words(path: Path, number: int, line: str) -> list[str]:
     try:
         return [word.strip() for word in next(csv.reader([line]))]
@@ -127,12 +140,6 @@ def package(name: str, method: str, extra: str) -> Any:
         return import_module(name)
     except ImportError:
         raise SoftffdError(f"{method} needs {name}, which is not installed here: pip install 'softffd[{extra}]'") from None
-
-
-def data_frame(time: np.ndarray, values: Mapping[str, np.ndarray]) -> pd.DataFrame:
-    """Columns (T,) by variable name; the index is the time [s]."""
-    pandas = package("pandas", "to_dataframe", "dataframes")
-    return pandas.DataFrame(values, index=pandas.Index(time, name="time"))
 
 
 def dataset(time: np.ndarray, positions: np.ndarray, values: Mapping[str, np.ndarray], attributes: Mapping[str, Any]) -> xr.Dataset:

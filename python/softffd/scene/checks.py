@@ -15,8 +15,8 @@ from softffd.scene.checks_material import material_check, solid_check
 from softffd.scene.draft import MEETING, Draft
 from softffd.scene.faults import Fault, KeyPath, either, path_text, refused, toml_text
 from softffd.scene.keys import OBSTACLES, SOLIDS
+from softffd.scene.observed import Sensor
 from softffd.scene.selection import Selection, flat_indices
-from softffd.scene.sensor import Sensor
 from softffd.spelling import did_you_mean, nearest_of
 
 ROUNDING = 1e-9  # by how much of its edge a point may be outside the box

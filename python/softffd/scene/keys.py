@@ -2,9 +2,8 @@
 
 from typing import Any
 
-from softffd.scene import rigid, sections
+from softffd.scene import observed, rigid, sections
 from softffd.scene.section import Section, Text, key
-from softffd.scene.sensor import Sensor
 
 SOLIDS = ("sphere", "cylinder", "box")
 OBSTACLES = ("plane", *SOLIDS)  # sections of obstacles, in the order of the library
@@ -29,9 +28,9 @@ class SceneKeys(Section):
     load: tuple[sections.Load, ...] = key((), "forces shared by several control points")
     inputs: sections.Inputs = key(sections.Inputs(), "inputs besides those of planes, pins and loads")
     initial: sections.Initial = key(sections.Initial(), "the state at the start")
-    probe: tuple[sections.Probe, ...] = key((), "points followed through the deformation")
-    sensor: tuple[Sensor, ...] = key((), "patches of the surface whose contact forces are outputs")
-    outputs: sections.Outputs = key(sections.Outputs(), "outputs of the FMU")
+    probe: tuple[observed.Probe, ...] = key((), "points followed through the deformation")
+    sensor: tuple[observed.Sensor, ...] = key((), "patches of the surface whose contact forces are outputs")
+    outputs: observed.Outputs = key(observed.Outputs(), "outputs of the FMU")
     solver: sections.Solver = key(sections.Solver(), "time integration")
     experiment: sections.Experiment = key(sections.Experiment(), "the FMU's default experiment")
     fmu: sections.Fmu = key(sections.Fmu(), "interface of the FMU to other tools")

@@ -1,10 +1,11 @@
-"""The section of sensors: patches of the object's surface whose contact forces are outputs."""
+"""The sections of what is observed: probes, sensors, which are patches of the object's surface, and outputs. SI units."""
 
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field, Strict, Tag
 
-from softffd.scene.section import NAME, Name, Section, Text, Vector, key, list_of, list_schema, one_of, refusal
+from softffd.scene.section import NAME, Name, Section, Switch, Text, Vector, key, list_of, list_schema, one_of, quantity, refusal
+from softffd.scene.selection import Selection
 
 MOST = 64  # taxels along a side
 Corners = Annotated[tuple[Vector, Vector], list_of(2, "2 corners [[x, y, z], [x, y, z]]")]
@@ -53,3 +54,30 @@ class Sensor(Section):
     def where(self) -> str | tuple[Any, Any]:
         """What `on` says, of a box its corners."""
         return self.on if isinstance(self.on, str) else self.on.box
+
+
+class Probe(Section):
+    """A point of the object followed through the deformation: Q(u, v, w) of Xia & Wang 2009, eq. (1)."""
+
+    name: Name = key(..., NAME, examples=["nose"])
+    at: Vector = quantity(..., "m", "position in the rest shape, inside the box", examples=[[0.5, 0.5, 0.5]])
+    stress: Switch = key(False, "of a solid: outputs of the Cauchy stress there, xx, yy, zz, xy, xz and yz [Pa]")
+    von_mises: Switch = key(False, "of a solid: an output of von Mises' equivalent stress there [Pa]")
+    stretch: Switch = key(False, "of a solid: an output of the largest principal stretch there")
+    velocity: Switch = key(False, "outputs of its velocity [m/s]")
+    acceleration: Switch = key(False, "outputs of its acceleration, mean of the communication step [m/s2]")
+    maximum: Switch = key(
+        False,
+        "outputs of the largest magnitude within the communication step of what is on of `velocity`, `acceleration` and `von_mises`, seen "
+        "at every internal step",
+    )
+
+
+class Outputs(Section):
+    """The outputs of the FMU; what is not selected does not exist."""
+
+    positions: Selection = key("all", "control points whose positions are outputs: a selection")
+    velocities: Selection = key("none", "control points whose velocities are outputs: a selection")
+    reactions: Switch = key(True, "force and torque on each obstacle and each pin, centre of pressure on each obstacle")
+    energy: Switch = key(False, "kinetic, elastic, gravity and dissipated energy, work")
+    solver: Switch = key(False, "steps, rejected steps, contacts, stable step, inverted cells")
