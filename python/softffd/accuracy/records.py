@@ -48,6 +48,14 @@ class Record:
         return self.setting.method if self.origin == "softffd" else f"SciPy {self.setting.method}"
 
     @property
+    def toml(self) -> str:
+        """The lines of a scene file that set the solver, or lattice and tolerance, as in this run."""
+        if self.lattice:
+            return f"[lattice]\npoints = {list(self.lattice)}\n[solver]\ntolerance = {self.setting.tolerance:.3g}"
+        kind = "step" if self.setting.step else "tolerance"
+        return f'[solver]\nmethod = "{self.setting.method}"\n{kind} = {getattr(self.setting, kind):.3g}'
+
+    @property
     def error(self) -> float:
         """Largest of `errors`; NaN for a failed run."""
         return math.nan if self.errors is None else float(self.errors.max())

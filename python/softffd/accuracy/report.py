@@ -120,13 +120,7 @@ def _recommendation(records: Records) -> str:
         for level in LEVELS
         if (run := records.recommended(level))
     )
-    return f"{why}<pre>{html.escape(toml_of(own), quote=False)}</pre>{table(['error', 'setting', 'time'], rows)}"
-
-
-def toml_of(run: Record) -> str:
-    """The lines of a scene file that set the solver as in this run."""
-    kind = "step" if run.setting.step else "tolerance"
-    return f'[solver]\nmethod = "{run.setting.method}"\n{kind} = {getattr(run.setting, kind):.3g}'
+    return f"{why}<pre>{html.escape(own.toml, quote=False)}</pre>{table(['error', 'setting', 'time'], rows)}"
 
 
 def _all_runs(records: Records) -> str:

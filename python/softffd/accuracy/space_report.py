@@ -115,7 +115,7 @@ def _section(measured: Measured) -> str:
 def _choices(records: Records) -> Iterator[str]:
     for level in LEVELS:
         run = records.recommended(level)
-        told = [_told(run), time_words(run.cpu_time), f"<pre>{html.escape(toml_of(run), quote=False)}</pre>"] if run else [NONE] * 3
+        told = [_told(run), time_words(run.cpu_time), f"<pre>{html.escape(run.toml, quote=False)}</pre>"] if run else [NONE] * 3
         yield row(level_words(level), told)
 
 
@@ -126,8 +126,3 @@ def _run_rows(measured: Measured) -> Iterator[str]:
         else:
             errors = (f"{error:.1e}" for error in _errors(measured, run).values())
             yield row(run.name, [setting_words(run), time_words(run.cpu_time), *errors, str(run.steps)])
-
-
-def toml_of(run: Record) -> str:
-    """The lines of a scene file that set lattice and tolerance as in this run."""
-    return f"[lattice]\npoints = {list(run.lattice)}\n[solver]\ntolerance = {run.setting.tolerance:.3g}"

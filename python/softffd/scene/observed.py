@@ -2,9 +2,9 @@
 
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, Field, Strict, Tag
+from pydantic import Field, Strict, Tag
 
-from softffd.scene.section import NAME, Name, Section, Switch, Text, Vector, key, list_of, list_schema, one_of, quantity, refusal
+from softffd.scene.section import NAME, Name, Section, Switch, Text, Vector, holding, key, list_of, list_schema, one_of, quantity
 from softffd.scene.selection import Selection
 
 MOST = 64  # taxels along a side
@@ -13,17 +13,16 @@ Side = Annotated[int, Strict(), Field(ge=1, le=MOST)]
 Sides = Annotated[tuple[Side, Side], list_of(2, "2 whole numbers [n, m]"), list_schema(2, type="integer", minimum=1, maximum=MOST)]
 
 
-def _in_order(corners: tuple[Any, Any]) -> tuple[Any, Any]:
-    lower, upper = corners
-    if any(low > high for low, high in zip(lower, upper, strict=True)):
-        raise refusal("[lower corner, upper corner], of which the second is nowhere below the first")
-    return corners
+def _in_order(corners: tuple[Any, Any]) -> bool:
+    return all(low <= high for low, high in zip(*corners, strict=True))
 
 
 class Cuboid(Section):
     """A box with edges along the axes, in the rest shape."""
 
-    box: Annotated[Corners, AfterValidator(_in_order)] = key(..., "its lower and its upper corner [m]", examples=[[[0.0] * 3, [1.0] * 3]])
+    box: Annotated[Corners, holding(_in_order, "[lower corner, upper corner], of which the second is nowhere below the first")] = key(
+        ..., "its lower and its upper corner [m]", examples=[[[0.0] * 3, [1.0] * 3]]
+    )
 
 
 On = Annotated[

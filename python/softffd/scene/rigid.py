@@ -147,15 +147,8 @@ class Sphere(Round):
 
     inputs: SphereInputs = _inputs(SPHERE_POSE)
 
-    @property
-    def normal(self) -> tuple[float, float, float]:
-        """Of no meaning: a sphere looks alike from all sides."""
-        return (0.0, 0.0, 1.0)
-
-    @property
-    def length(self) -> float:
-        """None [m]."""
-        return 0.0
+    normal: ClassVar[tuple[float, float, float]] = (0.0, 0.0, 1.0)  # of no meaning: a sphere looks alike from all sides
+    length: ClassVar[float] = 0.0
 
     def shape(self) -> SolidShape:
         return SolidShape(self.name, "sphere", (2 * self.radius,) * 3)

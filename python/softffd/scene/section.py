@@ -6,7 +6,7 @@ Numbers are strict: TOML has types, so `"1.0"` or `true` is no number here. They
 import math
 import re
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Strict, WithJsonSchema
@@ -22,15 +22,20 @@ def refusal(wanted: str, *, nearest: str | None = None) -> PydanticCustomError:
     return PydanticCustomError("wanted", "{wanted}", {"wanted": wanted, "nearest": nearest})
 
 
-def list_of(length: int, wanted: str) -> BeforeValidator:
-    """A validator that lets a list of `length` entries pass."""
+def holding(test: Callable[[Any], bool], wanted: str, *, before: bool = False) -> AfterValidator | BeforeValidator:
+    """A validator that lets values pass for which this holds. before: it sees them as the file has them."""
 
     def check(value: Any) -> Any:
-        if isinstance(value, list | tuple) and len(value) == length:
-            return value
-        raise refusal(wanted)
+        if not test(value):
+            raise refusal(wanted)
+        return value
 
-    return BeforeValidator(check)
+    return (BeforeValidator if before else AfterValidator)(check)
+
+
+def list_of(length: int, wanted: str) -> AfterValidator | BeforeValidator:
+    """A validator that lets a list of `length` entries pass."""
+    return holding(lambda value: isinstance(value, list | tuple) and len(value) == length, wanted, before=True)
 
 
 def list_schema(length: int, **entry: Any) -> WithJsonSchema:
@@ -81,12 +86,6 @@ class Section(BaseModel):
         return self.model_construct(self.model_fields_set, **(dict(self) | values))
 
 
-def _printable(text: str) -> str:
-    if not text.isprintable():
-        raise refusal("text without control characters")
-    return text
-
-
 def _identifier(name: str) -> str:
     if re.fullmatch(IDENTIFIER, name):
         return name
@@ -96,15 +95,10 @@ def _identifier(name: str) -> str:
     raise refusal("a name of letters A-Z a-z, digits and underscores, no digit first", nearest=nearest)
 
 
-def _direction(vector: tuple[float, float, float]) -> tuple[float, float, float]:
-    if not 1e-100 < max(map(abs, vector)) < 1e100:
-        raise refusal("a vector of length > 0 (in double precision: 1e-100 to 1e100)")
-    return vector
-
-
-Text = Annotated[str, Strict(), AfterValidator(_printable)]
+Text = Annotated[str, Strict(), holding(str.isprintable, "text without control characters")]
 Name = Annotated[str, Strict(), AfterValidator(_identifier), WithJsonSchema({"type": "string", "pattern": f"^{IDENTIFIER}$"})]
-Direction = Annotated[Vector, AfterValidator(_direction)]
+_LONG = "a vector of length > 0 (in double precision: 1e-100 to 1e100)"
+Direction = Annotated[Vector, holding(lambda vector: 1e-100 < max(map(abs, vector)) < 1e100, _LONG)]
 NAME = "a name for the FMU's variables: letters, digits, underscores"
 
 

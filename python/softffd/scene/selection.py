@@ -8,10 +8,10 @@ Xia & Wang 2009, eq. (1).
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, Strict, Tag
+from pydantic import Field, Strict, Tag
 
 from softffd.lattice import index_grid
-from softffd.scene.section import Section, key, list_of, list_schema, one_of, refusal
+from softffd.scene.section import Section, holding, key, list_of, list_schema, one_of
 
 FACES = {f"{'xyz'[axis]}{side}": (axis, end) for axis in range(3) for side, end in (("-", 0), ("+", -1))}
 
@@ -20,15 +20,10 @@ Index = Annotated[int, Strict(), Field(ge=0)]
 Triple = Annotated[tuple[Index, Index, Index], list_of(3, "3 whole numbers [i, j, k]"), list_schema(3, type="integer", minimum=0)]
 
 
-def _in_order(ends: tuple[int, int]) -> tuple[int, int]:
-    if ends[0] > ends[1]:
-        raise refusal("[first, last] with first <= last")
-    return ends
-
-
 Range = Annotated[
-    tuple[Index, Index], list_of(2, "2 whole numbers [first, last]"), AfterValidator(_in_order), list_schema(2, type="integer", minimum=0)
-]
+    tuple[Index, Index], list_of(2, "2 whole numbers [first, last]"),
+    holding(lambda ends: ends[0] <= ends[1], "[first, last] with first <= last"), list_schema(2, type="integer", minimum=0),
+]  # fmt: skip
 
 
 class Ranges(Section):
