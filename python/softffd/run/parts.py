@@ -151,6 +151,9 @@ class Parts(Mapping[str, T]):
     def __len__(self) -> int:
         return len(self._paths)
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._paths  # without reading it
+
     def __repr__(self) -> str:
         return f"<{self._kind}: {', '.join(self) or 'none'}>"
 

@@ -17,10 +17,9 @@ from softffd.errors import MeshError, SoftffdError, UnknownName
 from softffd.files import write_bytes
 from softffd.fmu.instance import Message
 from softffd.lattice import LatticeBox, all_points
-from softffd.names import OBSTACLES, ByName, Part, listed, parts_of, variable_name, variable_names, vector_names
+from softffd.names import ByName, listed, variable_names
 from softffd.obstacles import Obstacles
-from softffd.rotation import matrices, turned
-from softffd.run.parts import require_name
+from softffd.run.courses import ObstacleCourses
 from softffd.run.pressure import Covered, covered, grid_of, surface_pressure, taxel_pressure
 from softffd.run.result_file import read_result, write_files
 from softffd.run.stress import deformation, green_strain, lattice_gradients, lattice_stress
@@ -55,7 +54,7 @@ class Columns(ByName[T]):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Result:
+class Result(ObstacleCourses):
     """A run, one row per communication point."""
 
     time: np.ndarray
@@ -190,67 +189,6 @@ class Result:
             raise SoftffdError('deformed: wanted a run of an FMU of softffd with outputs.positions = "all"')
         return deform(mesh, positions, origin=self.lattice.origin, size=self.lattice.size, basis=self.lattice.basis)
 
-    def plane_names(self) -> list[str]:
-        """Names of the obstacles, planes and then solids, in the order of the scene, without their kinds."""
-        return [part.name for part in self.obstacle_parts()]
-
-    def obstacle_parts(self) -> list[Part]:
-        """The obstacles with their kinds, in the same order; as text "sphere.ball", the beginning of its variables' names."""
-        return parts_of([*self.parameters, *self.inputs], *OBSTACLES)
-
-    def _part(self, name: str) -> Part:
-        return next((part for part in self.obstacle_parts() if part.name == name), Part("plane", name))
-
-    def plane(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Points (T, 3) [m] and normals (T, 3) of an obstacle over time; FmuError with the nearest name for one that is not there.
-
-        Of a solid its centre and a cylinder's axis, a box's third edge; a sphere's says nothing. SoftffdError for a free body that was not
-        recorded.
-        """
-        require_name("plane", name, self.plane_names())
-        if self.is_free(name):
-            return self._of_body("position", name), self._axes(name)[..., 2]
-        age = self._age(name)
-        points = self._of_plane("point", name) + age * self._of_plane("velocity", name)
-        if self._part(name).kind == "box":
-            return points, self.edges(name)[..., 2]
-        return points, turned(self._of_plane("normal", name), age * self._of_plane("angular_velocity", name))
-
-    def edges(self, name: str) -> np.ndarray:
-        """Directions of a box's edges over time, in columns (T, 3, 3); FmuError with the nearest name for an obstacle that is no box."""
-        require_name("box", name, [part.name for part in self.obstacle_parts() if part.kind == "box"])
-        if self.is_free(name):
-            return self._axes(name)
-        rotation, turn = self._of_plane("rotation", name), self._age(name) * self._of_plane("angular_velocity", name)
-        return np.stack([turned(turned(np.broadcast_to(axis, turn.shape), rotation), turn) for axis in np.eye(3)], axis=-1)
-
-    def is_free(self, name: str) -> bool:
-        """Whether an obstacle is a free body, with a mass of its own."""
-        return variable_name("body_mass", self._part(name)) in self.parameters
-
-    def _axes(self, name: str) -> np.ndarray:
-        return matrices(self._of_body("orientation", name))
-
-    def _of_body(self, what: str, name: str) -> np.ndarray:
-        """The position or orientation of a free body over time, (T, 3) or (T, 4)."""
-        names = vector_names(f"body_{what}", self._part(name))
-        if missing := [key for key in names if key not in self.outputs]:
-            raise SoftffdError(f"{self._part(name)}: wanted a run whose outputs say where it is, got one without {missing[0]}")
-        return np.stack([self.outputs[key] for key in names], axis=1)
-
-    def _of_plane(self, what: str, name: str) -> np.ndarray:
-        """A vector of an obstacle's pose or motion over time, (T, 3)."""
-        names = vector_names(f"plane_{what}", self._part(name))
-        columns = [self.inputs[key] if key in self.inputs else self.parameters[key] for key in names]
-        return np.stack([np.broadcast_to(column, self.time.shape) for column in columns], axis=1)
-
-    def _age(self, name: str) -> np.ndarray:
-        """Since when an obstacle has moved on from the pose that is given, (T, 1) [s]: the start, or now where inputs give it."""
-        pose = ("point", "normal", "rotation", "velocity", "angular_velocity")
-        part = self._part(name)
-        led = any(key in self.inputs for what in pose for key in vector_names(f"plane_{what}", part))
-        return np.zeros((len(self.time), 1)) if led else (self.time - self.time[0])[:, None]
-
     def save(self, path: str | Path) -> list[Path]:
         """Writes NAME.npz, all of the result in one file, for a path with that ending; for any other a folder of result.npz, result.csv and
         summary.json. Each appears whole or not at all. Returns the paths of the files.
@@ -317,8 +255,7 @@ class Result:
         SoftffdError where positions were not recorded."""
         from softffd.show.view import write_view
 
-        path = Path(tempfile.mkdtemp(prefix="softffd-view-")) / "view.html" if path is None else path
-        written = write_view(self, path)
+        written = write_view(self, Path(tempfile.mkdtemp(prefix="softffd-view-")) / "view.html" if path is None else path)
         if browser:
             import webbrowser
 
