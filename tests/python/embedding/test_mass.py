@@ -318,7 +318,8 @@ def test_real_meshes_keep_total_and_centre_of_mass(name, closed, real_meshes):
 MASSES = """
 from softffd import load_scene
 from softffd.fmu.package import scene_masses
-print(scene_masses(load_scene("car_drop")).mass.tobytes().hex())
+for scene in ("car_drop", "drop_weight"):
+    print(scene_masses(load_scene(scene)).mass.tobytes().hex())
 """
 
 
