@@ -51,10 +51,8 @@ def run_explicitly(folder, body_path, step, steps, *, body_start=None, plate_sta
             part.initialize(start or {})
             part.exit_initialization()
         for n in range(steps):
-            for source, out, target, into in ((plate, motion, body, moved), (body, reaction, plate, pushed)):
-                source.get(out)
-                into.values[:] = out.values
-                target.set(into)
+            for out, into in ((motion, moved), (reaction, pushed)):
+                into.set(out.get())
             for part in (plate, body):
                 part.do_step(n * step, step)
             for block in (momentum, reaction, observed):

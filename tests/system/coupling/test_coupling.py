@@ -100,14 +100,11 @@ def loop_energy_error(fmu: Path, step: float, *, ahead: float) -> float:
         body.exit_initialization()
         for n in range(round(0.5 / step)):
             sent = v + ahead * step * (force / mass - GRAVITY)
-            moved.values[:] = z, sent
-            body.set(moved)
+            moved.set([z, sent])
             body.do_step(n * step, step)
-            body.get(reaction)
-            force = reaction.values[0]
+            (force,) = reaction.get()
             z, v = z + step * sent, v + step * (force / mass - GRAVITY)
-            body.get(energy)
-            errors.append(0.5 * mass * v**2 + mass * GRAVITY * z + energy.values.sum() - REST_ENERGY)
+            errors.append(0.5 * mass * v**2 + mass * GRAVITY * z + energy.get().sum() - REST_ENERGY)
     return max(map(abs, errors))
 
 

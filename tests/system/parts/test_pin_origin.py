@@ -49,7 +49,7 @@ def test_the_frame_starts_at_its_origin_and_the_default_is_the_centroid():
     for origin, wanted in ((None, CENTROID), (FLANGE, FLANGE)):
         with Simulation(held(origin)) as sim:
             assert [sim[f"pin.hand.position.{axis}"] for axis in "xyz"] == pytest.approx(wanted, rel=1e-15)
-            (told,) = sim.component.pins
+            (told,) = sim.component.resources.pins()
             assert told.origin == pytest.approx(wanted, rel=1e-15)
         close(points(simulate(held(origin), stop_time=0.01))[0], held().rest_positions(), 1e-15)
 
