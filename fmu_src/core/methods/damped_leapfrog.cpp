@@ -51,12 +51,13 @@ double more_work(const StepView& step, const Points& spring, const Points& v0, c
   return 0.5 * step.h * work;
 }
 
-/// After the closing half kick, which found them with the velocity of the frame, they have it again. middle: velocities before the kick.
-void return_pins(const StepView& step, const Points& middle, Points& v, Exchange& exchange) {
+/// After the closing half kick, which found them with the velocity of the frame, they have it again. middle: velocities before the kick;
+/// before: the same, of the frame where it holds a point.
+void return_pins(const StepView& step, const Points& middle, const Points& before, Points& v, Exchange& exchange) {
   step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {
     const int p = held.point;
     const Vec3 old = row(middle, p), velocity = held.velocity();
-    const Vec3 impulse = step.body.mass[p] * ((velocity - old) + (velocity - row(v, p)));
+    const Vec3 impulse = step.body.mass[p] * ((row(before, p) - old) + (velocity - row(v, p)));
     exchange.push(exchange.pins[held.pin], impulse, held.arm, 0.5 * (old + velocity));
     set_row(v, p, velocity);
   });
@@ -71,7 +72,7 @@ DampedLeapfrog::DampedLeapfrog(int points, int planes)
 
 Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
   if (model.body.samples && !drive.planes.empty() && !surface_)
-    surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
+    surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()), false);
   const Count before = impacts();
   masses_.take_masses(model.body);
   const double rate = run.course.damping_bound;
@@ -164,7 +165,7 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
   }
   kick(view, state, touched && resolved_, true, exchange);
   kick_parts(view, state.free, kicked_by(view, before_, state.v));
-  return_pins(view, middle_, state.v, exchange);
+  return_pins(view, middle_, before_, state.v, exchange);
   if (!touched) return StepStatus::ok;
   const double work = exchange.work, dissipated = exchange.dissipated;
   const StepStatus status =

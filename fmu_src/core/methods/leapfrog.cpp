@@ -179,7 +179,7 @@ StepStatus Leapfrog::close(const StepView& view, Path& path) {
     const StepStatus status =
         surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
     if (status != StepStatus::ok) return status;
-    if (surface_ && SurfaceContact::wants_loss(view)) exchange.dissipated += surface_->loss(view, state.v);
+    if (surface_ && SurfaceContact::wants_loss(view)) exchange.dissipated += surface_->loss(view, state.v, exchange);
   }
   if (losses(view.body, view.around))
     exchange.dissipated += damping_loss(view.body, view.h, start_, state.v) + dashpot_loss(view, state, before_);

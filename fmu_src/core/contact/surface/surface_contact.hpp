@@ -33,7 +33,8 @@ inline double largest_speed(const Points& v) { return kernels::largest(v.size(),
 
 class SurfaceContact {
  public:
-  SurfaceContact(const Body& body, int planes);
+  /// asks_loss: `loss` is asked for after each step that wants it; else what contact takes is seen at once, by the velocities.
+  SurfaceContact(const Body& body, int planes, bool asks_loss = true);
 
   /// Moves the body out of planes at a communication point; velocities stay. As a whole where nothing is pinned and that does; the rest is
   /// pushed in. Sets `moved` if there was any.
@@ -58,7 +59,7 @@ class SurfaceContact {
   StepStatus close(const StepView& step, Points& v, SurfaceRows& rows, std::vector<FreeState>& free, Exchange& exchange);
   /// Energy that contact took in the step that `close` has ended, less the work of the obstacles' own motion [J], where kicks are those of
   /// kick.hpp. v1: velocities at its end.
-  double loss(const StepView& step, const Points& v1) const;
+  double loss(const StepView& step, const Points& v1, Exchange& exchange) const;
   /// Where it is not asked for, nothing is kept for it.
   static bool wants_loss(const StepView& step) { return step.around.watch || !step.body.damped; }
   /// Velocities with the samples held that touch at this end of the step, before its drift, and did at the other end, after it; nothing
@@ -120,8 +121,8 @@ class SurfaceContact {
     return own(row) ? tangent_of(row).velocity : samples_.at(row.sample, v);
   }
   void find_speeds(const Points& v, int but = -1);
-  double book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
-  double give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
+  double book(const StepView& step, const SurfaceStage& stage, double per_force, const Points& v, Exchange& exchange);
+  double give_pins(const StepView& step, const SurfaceStage& stage, double per_force, const Points& v, Exchange& exchange);
   // surface_hold.cpp
   bool recall(const std::vector<Count>& numbers, SurfaceStage& stage) const;
   bool hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
@@ -175,6 +176,8 @@ class SurfaceContact {
   Scalars weights_;                    ///< of a sample
   Points given_;                       ///< by obstacles to the control points [N s]
   Points start_v_, start_force_;       ///< at the start of a step with contact
+  bool asks_loss_;
+  Points passed_;                      ///< by points of free pins to their parts, of what obstacles give them [N s]; empty without any
   bool near_ = false;                  ///< a control point is behind a plane, or a sample was on one
   std::vector<unsigned char> behind_;  ///< which
   Points room_;                        ///< of the surface's hull

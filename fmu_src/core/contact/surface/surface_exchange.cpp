@@ -14,8 +14,9 @@ void SurfaceContact::find_places(const SurfaceStage& stage, const Points& x1) {
   }
 }
 
-/// Impulses of a stage with forces times per_force [N s]. Returns the work of the own motion of obstacles and pins [J].
-double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
+/// Impulses of a stage with forces times per_force [N s], after which the velocities are v. Returns the work of the own motion of obstacles
+/// and pins [J].
+double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, double per_force, const Points& v, Exchange& exchange) {
   double work = 0;
   Impulse taken;
   for (std::size_t t = 0; t < stage.rows.size(); ++t) {
@@ -34,7 +35,7 @@ double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, dou
     taken = {};
   }
   exchange.work += work;
-  return step.around.pins.empty() ? work : work + give_pins(step, stage, per_force, exchange);
+  return step.around.pins.empty() ? work : work + give_pins(step, stage, per_force, v, exchange);
 }
 
 /// Free bodies yield to the rows of the next stage, which are at x; without any nothing of them is looked at.
@@ -144,9 +145,11 @@ double SurfaceContact::book_own(const StepView& step, const SurfaceRow& row, con
   return given.dot(pose.material_velocity(place));
 }
 
-/// Pins take what obstacles give the points that they hold: of each sample the share that its weights give these. Returns
-/// the work of the pins' own motion [J].
-double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
+/// Pins take what obstacles give the points that they hold: of each sample the share that its weights give these. Points of free pins keep
+/// what moves them; what they pass on works as contact does, along the mean of the velocities before and after, of the step where `loss`
+/// is asked for. Returns the work of the pins' own motion [J].
+double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage, double per_force, const Points& v, Exchange& exchange) {
+  const Scalars& mass = &stage == &drift_ ? step.kicks.opening_mass() : step.kicks.closing_mass();
   const int n = step.body.points();
   weights_.resize(samples_.support());
   given_.setZero(n, 3);
@@ -158,9 +161,19 @@ double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage
   }
   double work = 0;
   step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {
-    const Vec3 impulse = -row(given_, held.point);
-    exchange.push(exchange.pins[held.pin], impulse, held.arm, held.velocity());
-    work += impulse.dot(held.velocity());
+    Vec3 impulse = -row(given_, held.point), velocity = held.velocity();
+    if (step.around.pins[held.pin].own) {
+      const Vec3 change = per_force * row(stage.move(), held.point);
+      impulse += mass[held.point] * change;
+      velocity = row(v, held.point) - 0.5 * change;
+      if (asks_loss_ && wants_loss(step)) {
+        exchange.pins[held.pin].add(-impulse, held.arm);
+        passed_.row(held.point) += impulse.transpose().array();
+        return;
+      }
+    }
+    exchange.push(exchange.pins[held.pin], impulse, held.arm, velocity);
+    work += impulse.dot(velocity);
   });
   return work;
 }

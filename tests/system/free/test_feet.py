@@ -1,0 +1,36 @@
+"""A rigid foot that is bonded to the object's lower side, with a mass of its own, falls on the ground with it and comes to rest there."""
+
+import numpy as np
+import pytest
+
+from scenes import meshed
+from softffd import simulate
+from validation import shapes
+
+OBJECT, FOOT, GRAVITY = 1.0, 2.0, 9.81
+FALL = (OBJECT + FOOT) * GRAVITY * 0.05
+
+
+def dropped(folder, internal_damping: float):
+    """By 50 mm, moving and turning a little."""
+    return meshed(
+        folder, shapes.cube(4, 0.0), points=[4, 4, 4], material={"stiffness": 2e3, "damping": 0.2, "internal_damping": internal_damping},
+        mass={"total": OBJECT}, gravity=[0, 0, -GRAVITY], velocity=[0.3, 0.0, 0.0], angular_velocity=[0.2, 0.3, 0.0],
+        plane=[{"name": "ground", "friction": 0.4, "point": [0, 0, -0.05]}],
+        pin=[{"name": "foot", "points": "z-", "motion": "free", "mass": FOOT, "inertia": [0.3, 0.3, 0.5]}],
+        outputs={"energy": True, "reactions": True}, stop_time=3.0, communication_step=0.01,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("internal_damping", [0.0, 1e-4, 1e-3])
+def test_at_rest_the_foot_is_held_by_its_weight_and_the_ground_by_that_of_both(internal_damping, tmp_path):
+    run = simulate(dropped(tmp_path, internal_damping))
+    assert run.outputs["pin.foot.reaction.z"][-50:].mean() == pytest.approx(FOOT * GRAVITY, rel=1e-4)
+    assert run.outputs["plane.ground.reaction.z"][-50:].mean() == pytest.approx(-(OBJECT + FOOT) * GRAVITY, rel=1e-4)
+
+
+@pytest.mark.parametrize("internal_damping", [0.0, 1e-4, 1e-3])
+def test_what_is_dissipated_never_comes_back_and_nothing_works_from_outside(internal_damping, tmp_path):
+    run = simulate(dropped(tmp_path, internal_damping))
+    assert np.diff(run.outputs["energy.dissipated"]).min() > -1e-9 * FALL
+    assert np.abs(run.outputs["energy.work"]).max() < 0.04 * FALL  # of the order of a step: 0.03, 4e-5, 3e-3
