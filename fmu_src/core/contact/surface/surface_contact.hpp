@@ -176,13 +176,13 @@ class SurfaceContact {
   Scalars weights_;                    ///< of a sample
   Points given_;                       ///< by obstacles to the control points [N s]
   Points start_v_, start_force_;       ///< at the start of a step with contact
-  bool asks_loss_;
   Points passed_;                      ///< by points of free pins to their parts, of what obstacles give them [N s]; empty without any
   bool near_ = false;                  ///< a control point is behind a plane, or a sample was on one
   std::vector<unsigned char> behind_;  ///< which
-  Points room_;                        ///< of the surface's hull
-  bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
-  bool lands_ = false;                 ///< any sample does
+  bool asks_loss_;
+  Points room_;           ///< of the surface's hull
+  bool arrives_ = false;  ///< a sample with friction comes onto its plane in this step
+  bool lands_ = false;    ///< any sample does
   Count version_ = -1;
   double h_ = -1;
   Count impacts_ = 0;
