@@ -197,9 +197,9 @@ double approach_speed(const StepContext& context, const State& state, const Rigi
 
 Outlook outlook(const StepContext& context, const State& state) {
   const auto [plane, obstacle, gap] = nearest_obstacle(context, state);
-  const Vec3 pushed = acceleration_of(*plane, state) - whole_acceleration(context);
-  const double left = left_of_run(context), least = use::least_pressing * whole_acceleration(context).norm();
-  const double pressing = std::abs(pushed.dot(obstacle.normal)) > least ? pushed.dot(obstacle.normal) : 0;  // both may fall
+  const Vec3 outside = whole_acceleration(context), pushed = acceleration_of(*plane, state) - outside;
+  const double left = left_of_run(context), towards = pushed.dot(obstacle.normal);
+  const double pressing = std::abs(towards) > use::least_pressing * outside.norm() ? towards : 0;  // both may fall
   Outlook ahead{obstacle.normal, left, left, left, pressing};
   if (context.drive.held()) return ahead;
   if (squeezed(context, state)) {

@@ -1,6 +1,6 @@
 /// What landings make of errors, by a neighbour of the motion: where a body lands, a second one begins as far off as this one may be, and
-/// goes beside it, in shorter steps at impacts and else in the coarser ones of a stretch that is run twice, until both are off all
-/// obstacles, or stay on one for as long as the slowest vibration takes.
+/// goes beside it, in shorter steps at impacts and else in the coarser ones of a stretch that is run twice, until both have landed and are
+/// off all obstacles, or stay on one for as long as the slowest vibration takes.
 ///
 ///      landing              contact                    flight                        next landing
 ///      places off by d  ->  steps of both bodies   ->  what they differ by, kept  -> d: that, moved on with its rigid part

@@ -56,7 +56,7 @@ Facts Propagator::facts(const StepContext& context, double H) const {
   facts.pins = !context.drive.pins.empty();
   facts.explicit_alone = context.model.body.explicit_alone;
   const Drive& around = context.drive;
-  if (facts.obstacles && (around.planes.back().solid() || !around.free.empty())) {  // flights know these, and nothing else does
+  if (facts.obstacles && (around.planes.back().solid() || !around.free.empty())) {  // of plans impacts alone know these
     facts.clear = false;
     facts.within_reach = true;
     const bool others = std::ranges::any_of(around.planes, [](const Plane& plane) { return !plane.own; });

@@ -182,7 +182,7 @@ def _projected(
 
 
 def _times(matrix: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-    """matrix (..., n) @ numbers (..., n), summed in one order on all processors.
+    """matrix (..., n) @ numbers (..., n), summed in an order that BLAS does not choose.
 
     BLAS sums as registers are wide: a scene's masses, and with them its results and its GUID, would differ by rounding between machines.
     """

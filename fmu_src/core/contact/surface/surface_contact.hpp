@@ -58,7 +58,7 @@ class SurfaceContact {
                    Exchange& exchange);
   StepStatus close(const StepView& step, Points& v, SurfaceRows& rows, std::vector<FreeState>& free, Exchange& exchange);
   /// Energy that contact took in the step that `close` has ended, less the work of the obstacles' own motion [J], where kicks are those of
-  /// kick.hpp. v1: velocities at its end.
+  /// kick.hpp; what points of free pins passed on to their parts in it is booked as work. v1: velocities at its end.
   double loss(const StepView& step, const Points& v1, Exchange& exchange) const;
   /// Where it is not asked for, nothing is kept for it.
   static bool wants_loss(const StepView& step) { return step.around.watch || !step.body.damped; }
@@ -179,10 +179,10 @@ class SurfaceContact {
   Points passed_;                      ///< by points of free pins to their parts, of what obstacles give them [N s]; empty without any
   bool near_ = false;                  ///< a control point is behind a plane, or a sample was on one
   std::vector<unsigned char> behind_;  ///< which
-  bool asks_loss_;
-  Points room_;           ///< of the surface's hull
-  bool arrives_ = false;  ///< a sample with friction comes onto its plane in this step
-  bool lands_ = false;    ///< any sample does
+  bool asks_loss_;                     ///< `loss` is asked for
+  Points room_;                        ///< of the surface's hull
+  bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
+  bool lands_ = false;                 ///< any sample does
   Count version_ = -1;
   double h_ = -1;
   Count impacts_ = 0;
