@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "body/rigid_motion.hpp"
+#include "contact/free/solid_samples.hpp"
 #include "contact/surface/tangents.hpp"
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
@@ -47,6 +48,20 @@ double shortest_cell_side(const Lattice& lattice) {
 Complex turned(double angle) {
   const SineCosine r = sine_cosine(angle);
   return {r.cosine, r.sine};
+}
+
+/// Of a free body in flight for some time [s]: of its acceleration beside another one [m/s2], and of its spin [rad/s]. Its loads grow
+/// evenly: they are largest at either end.
+struct FreeBounds {
+  double acceleration, spin;
+};
+FreeBounds bounds_of(const FreeMotion& free, double t, double time, const Vec3& other) {
+  const FreeState state = free.at(t);
+  FreeState later = state;
+  later.time += time;
+  const double torque = std::max(free.loads(state).torque.norm(), free.loads(later).torque.norm());
+  return {std::max((other - free.acceleration(state)).norm(), (other - free.acceleration(later)).norm()),
+          free.inverse_inertia(state).norm() * (state.momentum.norm() + time * torque)};
 }
 
 }  // namespace
@@ -198,20 +213,25 @@ ModalFlight::Nearing ModalFlight::nearing_solid(const Body& body, const Plane& s
       gap = std::min(gap, tangent(solid, pose, place).gap(place) - (still ? 0 : body.samples->at(s, way_.data())));
     }
   }
-  double spin = pose.spin.norm(), spin_rate = solid.angular_acceleration.norm();
-  double acceleration = (rigid_.acceleration - solid.acceleration).norm();
-  if (const FreeMotion* free = solid.own) {  // its loads grow evenly: they are largest at either end
-    const FreeState state = free->at(t_);
-    FreeState later = state;
-    later.time += time;
-    acceleration =
-        std::max((rigid_.acceleration - free->acceleration(state)).norm(), (rigid_.acceleration - free->acceleration(later)).norm());
-    const double torque = std::max(free->loads(state).torque.norm(), free->loads(later).torque.norm());
-    spin = free->inverse_inertia(state).norm() * (state.momentum.norm() + time * torque);
-    spin_rate = 0;
+  const double velocity = (rigid_.velocity - pose.velocity).norm() + rigid_.spin.norm() * modes_.radius;
+  const double turning = rigid_.spin_rate.norm() * modes_.radius;
+  if (solid.own) {
+    const auto [acceleration, spin] = bounds_of(*solid.own, t_, time, rigid_.acceleration);
+    return {gap, velocity + spin * solid.size(), acceleration + turning};
   }
-  return {gap, (rigid_.velocity - pose.velocity).norm() + rigid_.spin.norm() * modes_.radius + spin * solid.size(),
-          acceleration + rigid_.spin_rate.norm() * modes_.radius + spin_rate * solid.size()};
+  return {gap, velocity + pose.spin.norm() * solid.size(),
+          (rigid_.acceleration - solid.acceleration).norm() + turning + solid.angular_acceleration.norm() * solid.size()};
+}
+
+/// Of a free obstacle and another, for at most so long.
+ModalFlight::Nearing ModalFlight::nearing_free(const Plane& free, const Plane& other, double time) const {
+  const SolidPose pose = free.pose_at(t_);
+  const HalfSpace facing = facing_half_space(other, t_, pose.point);
+  const Vec3 relative = pose.velocity - facing.material_velocity(pose.point);
+  const auto [acceleration, spin] = bounds_of(*free.own, t_, time, other.acceleration);
+  const double far = (pose.point - other.point).norm() + free.size(), turning = facing.spin.norm();
+  return {own_gap(free, other, t_), relative.norm() + (spin + turning) * free.size(),
+          acceleration + other.angular_acceleration.norm() * far + turning * (2 * relative.norm() + turning * far)};
 }
 
 double ModalFlight::until_touch(const Equations& equations, double most, double shortest, bool still) {
@@ -221,16 +241,21 @@ double ModalFlight::until_touch(const Equations& equations, double most, double 
   }
   way_.matrix().noalias() = modes_.excursion * amplitude_;
   double gone = 0;
+  const std::vector<Plane>& planes = equations.around.planes;
   for (int i = 0; i < most_advances && gone < most; ++i) {
     const double longest = body_.longest_step();
     double step = most - gone;
     bool touch = false;
-    for (const Plane& plane : equations.around.planes) {
-      const Nearing at = plane.solid() ? nearing_solid(equations.body, plane, still, most - gone) : nearing(equations.body, plane, still);
+    const auto near = [&](const Nearing& at) {
       const double gap = at.gap - near_enough * equations.body.length;
       if (gap <= 0) touch = true;
       const double fastest = at.speed + std::sqrt(at.speed * at.speed + 2 * at.acceleration * std::max(gap, 0.0));
       if (fastest > 0) step = std::min(step, 2 * gap / fastest);
+    };
+    for (const Plane& plane : planes) {
+      near(plane.solid() ? nearing_solid(equations.body, plane, still, most - gone) : nearing(equations.body, plane, still));
+      for (const Plane& other : planes)
+        if (plane.own && !other.own) near(nearing_free(plane, other, most - gone));
     }
     if (touch) break;
     const bool cut = step > longest;

@@ -65,6 +65,7 @@ class ModalFlight {
   };
   Nearing nearing(const Body& body, const Plane& plane, bool still);
   Nearing nearing_solid(const Body& body, const Plane& solid, bool still, double time) const;
+  Nearing nearing_free(const Plane& free, const Plane& other, double time) const;
   double least_gap(const Body& body, const HalfSpace& obstacle, bool still);
 
   Points rest_;

@@ -51,7 +51,9 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
   Path& path = context.run.path;
   StiffContact& stiff = path.stiff;
   State& motion = path.motion;
-  if (!off_obstacles(context, touching) || !(rings || rings_about_rest(context))) {
+  const double slight = touching * context.model.body.length;
+  const std::vector<Plane>& planes = context.drive.planes;
+  if (!off_obstacles(context, touching) || !free_off_others(planes, motion.time, slight) || !(rings || rings_about_rest(context))) {
     stiff.phase = Phase::contact;
     return StepStatus::ok;
   }

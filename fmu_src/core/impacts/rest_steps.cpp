@@ -40,11 +40,12 @@ namespace {
 
 namespace use = thresholds;
 
-/// Acceleration of the obstacle next to a body that no pin holds [m/s2].
+/// Acceleration of the obstacle next to a body that no pin holds, nor a free body rests on [m/s2].
 Vec3 obstacle_acceleration(const StepContext& context, const State& state) {
   const auto& planes = context.drive.planes;
   const bool steady = std::all_of(planes.begin(), planes.end(), [](const Plane& plane) { return plane.acceleration.isZero(0); });
-  return steady || !context.drive.pins.empty() ? Vec3(Vec3::Zero()) : nearest_obstacle(context, state).plane->acceleration;
+  return steady || !context.drive.pins.empty() || !context.drive.free.empty() ? Vec3(Vec3::Zero())
+                                                                              : nearest_obstacle(context, state).plane->acceleration;
 }
 
 }  // namespace
@@ -62,6 +63,10 @@ StepStatus RestSteps::run(const Beside& at) {
   context.run.energy.kinetic_elastic = -1;
   if (context.drive.pins.empty() && off_obstacles(context, use::lifted)) {
     stiff.begin(Phase::flight);
+    return StepStatus::ok;
+  }
+  if (std::ranges::any_of(context.drive.free, &FreeMotion::loads_grow)) {  // when friction gives way is not looked for
+    stiff.begin(Phase::contact);
     return StepStatus::ok;
   }
   if (stiff.settling) return settle(at);

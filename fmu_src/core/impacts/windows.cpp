@@ -37,8 +37,9 @@ constexpr int most_window_tries = 6;
 /// goes on alone: given to one that had not touched yet it would make the impact a single unchecked run.
 constexpr double easy = 0.4;
 constexpr Count longest_window_trust = 32;
-/// Largest turn by which an impact is tried for what it makes of errors [rad].
-constexpr double most_aside = 0.1;
+/// Of the tolerance, what vibrations are off by at least when they have flown by their modes: measured, a tenth of it states three times as
+/// much as is true, a thousandth a third of it at times.
+constexpr double flown_error = 0.01;
 /// Energy that may be damped away, in that of the pressing force along the tolerance [1]: it cannot move the body further.
 constexpr double quiet_energy = 0.1;
 
@@ -48,49 +49,44 @@ namespace {
 
 namespace use = thresholds;
 
-/// How loud the vibrations are: their kinetic energy [J], of a pinned body, which nothing has to press on, their size [m].
+/// How loud the vibrations are: their kinetic energy with that of free bodies' motion beside the object [J], of a pinned body, which
+/// nothing has to press on, their size [m].
 double loudness(const StepContext& context) {
   const State& motion = context.run.path.motion;
-  if (context.drive.pins.empty()) return kinetic_deformation(context.model.body, motion);
+  if (context.drive.pins.empty()) {
+    double energy = kinetic_deformation(context.model.body, motion);
+    if (context.drive.free.empty()) return energy;
+    const RigidMotion rigid = rigid_motion(context.model.body.mass, motion.x, motion.v);
+    for (const FreeMotion& each : context.drive.free) {
+      FreeState beside = motion.free[each.index()];
+      const Vec3 spin = each.spin(beside) - rigid.spin;
+      beside.velocity -= rigid.velocity + rigid.spin.cross(beside.position - rigid.centre);
+      beside.momentum = each.momentum(beside, spin);
+      energy += each.kinetic_energy(beside);
+    }
+    return energy;
+  }
   return present_vibration(context.equations(), motion, context.model.time_scale, infinity);
+}
+
+/// What presses the object on obstacles, or a free body on what holds it, least [N]: nothing where loads grow.
+double least_pressing(const StepContext& context) {
+  const StiffContact& stiff = context.run.path.stiff;
+  double least = stiff.impulse / stiff.listened;
+  for (const FreeMotion& each : context.drive.free) {
+    const Vec3 force = each.loads(context.run.path.motion.free[each.index()]).force;
+    const double along = each.body().guided() ? std::abs(each.body().guide.dot(force)) : force.norm();
+    least = each.loads_grow() ? 0 : std::min(least, along);
+  }
+  return least;
 }
 
 /// Whether they cannot move the body by what matters, pressed on as it was while it was listened to.
 bool quiet(const StepContext& context) {
   const StiffContact& stiff = context.run.path.stiff;
   if (!context.drive.pins.empty()) return stiff.loudest <= use::quiet * context.request.tolerance;
-  return stiff.impulse > 0 && 2 * stiff.loudest <= allowed_loss(context, stiff.impulse / stiff.listened);
-}
-
-/// Moves and turns the body in the direction in which it has gone astray, by so much at its outermost point [m], and along the obstacle's
-/// normal so that it comes there as soon as without.
-void displace(const StepContext& context, double way) {
-  State& motion = context.run.path.motion;
-  const StiffContact& stiff = context.run.path.stiff;
-  const Body& body = context.model.body;
-  const RigidMotion rigid = rigid_motion(body.mass, motion.x, motion.v);
-  const double gap = nearest_obstacle(context, motion).gap;
-  const double radius = radius_about(rigid.centre, motion.x), size = stiff.error_velocity.norm() + radius * stiff.error_spin.norm();
-  const double most = use::most_aside * radius, share = std::clamp(way, -most, most) / size;
-  const Eigen::Matrix3d turn = rotation_by(share * stiff.error_spin);
-  for (int p = 0; p < body.points(); ++p) {
-    set_row(motion.x, p, rigid.centre + share * stiff.error_velocity + turn * (row(motion.x, p) - rigid.centre));
-    set_row(motion.v, p, rigid.velocity + turn * (row(motion.v, p) - rigid.velocity));
-  }
-  for (int round = 0; round < use::most_ways_out; ++round) {  // more than one where the obstacle is a solid
-    const NearestObstacle now = nearest_obstacle(context, motion);
-    const double nearer = gap - now.gap;
-    if (round > 0 && nearer <= touching * body.length) break;
-    for (int axis = 0; axis < 3; ++axis) motion.x.col(axis) += nearer * now.obstacle.normal[axis];
-  }
-  body.internal_force(motion.x, motion.spring);
-}
-
-/// The rigid motions of two states differ by this.
-void set_error_direction(const Body& body, const State& one, const State& other, StiffContact& stiff) {
-  const RigidMotion a = rigid_motion(body.mass, one.x, one.v), b = rigid_motion(body.mass, other.x, other.v);
-  stiff.error_velocity = a.velocity - b.velocity;
-  stiff.error_spin = a.spin - b.spin;
+  const double pressing = least_pressing(context);
+  return pressing > 0 && 2 * stiff.loudest <= allowed_loss(context, pressing);
 }
 
 }  // namespace
@@ -115,12 +111,12 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
   const bool lost = stiff.total_error() > use::lost * tolerance,
              flown = context.drive.pins.empty() && flights.has_modes(context.model.body);
   if (lost || (!fresh && stiff.trust > 0 && !off_obstacles(context, touching))) {
-    if (!lost) --stiff.trust, stiff.error += stiff.trusted_error;
-    if (fresh) start_ = path;
+    if (!lost) --stiff.trust;
+    start_ = path;
     const double h = lost && flown ? use::after_flight * at.limit : at.limit;
     const StepStatus status = listen(at, flights, h, until, true);
     stiff.settling = stiff.phase == Phase::rest;
-    if (fresh && status == StepStatus::ok) run_sensitivity(at, flights);
+    if (status == StepStatus::ok && (!follow(at) || !fresh) && !lost) stiff.error += stiff.trusted_error;
     return status;
   }
   Snapshot snapshot(path, start_);
@@ -136,7 +132,6 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     const Count taken = path.steps;
     status = listen(at, flights, 0.5 * h, reached, false);
     if (status != StepStatus::ok) return status;
-    if (fresh && context.drive.pins.empty()) set_error_direction(context.model.body, coarse_.motion, path.motion, path.stiff);
     const Outlook ahead = outlook(context, path.motion);
     double error = outcome_of(context, coarse_.motion, path.motion, ahead) / 3, gain = 0;
     if (rings) error = std::max(error, flights.phase_error(at, coarse_.motion, ahead, gain));
@@ -147,13 +142,12 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
       const bool easy = !fresh && tries == 0 && 4 * error < use::easy * allowed;
       if (easy) std::swap(path, coarse_);  // steps as those that are trusted: other ones would set off what is at rest
       stiff.trusted_error = 4 * error;
-      stiff.error += easy ? 4 * error : error;
       stiff.phase = next;
       stiff.settling = next == Phase::rest;
       stiff.trust = easy ? stiff.next_trust : 0;
       stiff.next_trust = easy ? std::min(2 * stiff.next_trust, use::longest_window_trust) : 1;
       snapshot.commit();
-      if (fresh) run_sensitivity(at, flights);
+      if (!follow(at) || !fresh) stiff.error += easy ? 4 * error : error;
       return StepStatus::ok;
     }
     course.rejected += path.steps - taken;
@@ -169,28 +163,26 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
   }
 }
 
-/// What the impact makes of the error so far: the window again, begun that far astray.
-void Windows::run_sensitivity(const Beside& at, Flights& flights) {
+/// What the window makes of errors. A flight waits for the neighbour to be off the obstacles too, for a vibration's time; where the body
+/// rests, so does the neighbour. Returns whether that is known.
+bool Windows::follow(const Beside& at) {
   const StepContext& context = at.context;
-  Path& path = context.run.path;
-  const double before = start_.stiff.stated_error(), reached = path.motion.time;
-  const bool astray = !start_.stiff.error_velocity.isZero(0) || !start_.stiff.error_spin.isZero(0);
-  if (!astray || before <= use::least_error * context.request.tolerance) return;
-  const Outlook ahead = outlook(context, path.motion);
-  accepted_ = path;
-  double after = before;
-  for (const double way : {before, -before}) {
-    path = start_;
-    displace(context, way);
-    const StepStatus status = listen(at, flights, at.limit, reached, false);
-    context.run.course.rejected += path.steps - start_.steps;
-    const double outcome = status == StepStatus::ok ? outcome_of(context, path.motion, accepted_.motion, ahead) : after;
-    if (!(outcome > after)) continue;
-    after = outcome;
-    set_error_direction(context.model.body, path.motion, accepted_.motion, accepted_.stiff);
-  }
-  std::swap(path, accepted_);
-  path.stiff.grown = std::sqrt(power(path.stiff.grown, 2) + power(after - before, 2));
+  const Path& path = context.run.path;
+  const Neighbour& neighbour = context.run.course.neighbour;
+  const double begun = start_.motion.time, length = path.motion.time - begun;
+  const bool lands = impacts_ > 0 && !(neighbour.follows && begun - neighbour.began > slowest_period(context));  // then steps are cut
+  const Count steps = divisions(length, lands ? at.limit : path.clock.h);
+  landings_.follow(at.integrators, context, start_.motion, Method::leapfrog, {begun, 0, length / double(steps), steps}, impacts_ > 0,
+                   start_.stiff.phase == Phase::impact ? use::flown_error : 0);
+  if (neighbour.off.time != path.motion.time) return false;
+  if (!neighbour.follows) return true;
+  StiffContact& stiff = context.run.path.stiff;
+  const bool flies = stiff.phase == Phase::flight;
+  if (flies && path.motion.time - neighbour.began <= slowest_period(context))
+    stiff.phase = Phase::contact;
+  else if (flies || stiff.phase == Phase::rest)
+    landings_.part(context, flies);
+  return true;
 }
 
 /// Explicit steps of h, with looks at the same times whatever h is: until the phase changes, if that is to be decided here, or `until`.
@@ -201,6 +193,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
   StiffContact& stiff = path.stiff;
   const double stretch = use::look_steps * at.limit;
   bool quiet_now = false;
+  impacts_ = 0;
   for (double begun = motion.time; motion.time < until; begun = motion.time) {
     const bool last = until - begun <= stretch * (1 + 1e-9);
     const double length = last ? until - begun : stretch;
@@ -212,6 +205,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
       const Span span{begun, i, path.clock.h, std::min(quarter, steps - i)};
       const Outcome outcome = at.integrators.take(context, Method::leapfrog, span);
       context.run.course.work += outcome.work;
+      impacts_ += outcome.impacts;
       path.steps += span.steps;
       if (outcome.status != StepStatus::ok) return outcome.status;
       motion.time = i + quarter >= steps ? (last ? until : begun + length) : span.time(span.steps);
@@ -223,7 +217,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
     const bool touched = path.exchange.contacts_resolved != contacts;
     const double period = slowest_period(context);
     const bool heard = double(stiff.looks) >= std::max(double(use::least_looks << stiff.doubts), period / stretch);
-    const bool rests = heard && context.drive.free.empty() && (touched || !context.drive.pins.empty()) && quiet(context);
+    const bool rests = heard && (touched || !context.drive.pins.empty()) && quiet(context);
     if (heard) {
       stiff.pressing = stiff.impulse / stiff.listened;
       stiff.looks = 0;

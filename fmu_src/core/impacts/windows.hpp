@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "impacts/flights.hpp"
+#include "kit/landings.hpp"
 
 namespace softffd {
 
@@ -14,15 +15,17 @@ double allowed_loss(const StepContext& context, double pressing);
 
 class Windows {
  public:
-  explicit Windows(const Run& run) : start_(run.path), coarse_(run.path), accepted_(run.path), pushed_(run.path.exchange.planes.size()) {}
+  explicit Windows(const Run& run) : start_(run.path), coarse_(run.path), landings_(run), pushed_(run.path.exchange.planes.size()) {}
   /// One window; sets the phase that follows.
   StepStatus run(const Beside& at, Flights& flights);
 
  private:
-  void run_sensitivity(const Beside& at, Flights& flights);
+  bool follow(const Beside& at);
   StepStatus listen(const Beside& at, Flights& flights, double h, double until, bool decide);
 
-  Path start_, coarse_, accepted_;
+  Path start_, coarse_;
+  Landings landings_;
+  Count impacts_ = 0;            ///< of the last listening
   std::vector<Impulse> pushed_;  ///< on each obstacle before a stretch
 };
 

@@ -83,6 +83,7 @@ class FreeMotion {
 
   Wrench loads(const FreeState& s) const;  ///< at the time of the state
   Wrench mean_loads(const FreeState& from, double h) const;
+  bool loads_grow() const { return !load_.force_rate.isZero(0) || !load_.torque_rate.isZero(0); }
   Vec3 acceleration(const FreeState& s) const { return inverse_mass() * loads(s).force; }  ///< in flight, at the time of the state [m/s2]
   Vec3 spin(const FreeState& s) const;                                                     ///< [rad/s]
   Vec3 momentum(const FreeState& s, const Vec3& spin) const;                               ///< angular [kg m2/s]

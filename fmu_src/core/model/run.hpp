@@ -74,7 +74,7 @@ struct Drift {
 static_assert(visits_every_field<Drift>);
 
 /// The motion of a body that began a landing as far off as this one may be: by what they differ the error is known that landings make of
-/// errors (stepping/landings.hpp). Empty without obstacles.
+/// errors (kit/landings.hpp). Empty without obstacles.
 struct Neighbour {
   Points x, v;                    ///< while it takes the path's steps, its own; else by what it differed when it last did [m, m/s]
   std::vector<FreeState> free{};  ///< bodies, likewise
@@ -124,28 +124,16 @@ struct StiffContact {
   double step = 0;                            ///< at rest [s]; 0: none yet
   double error = 0;                           ///< that steps have left, at the end of the run [m]
   double unknown = 0;                         ///< that the vibrations' unknown phases at impacts may have added [m]
-  double grown = 0;                           ///< by what impacts may have made of either, where the body lands otherwise [m]
-  Vec3 error_velocity = Vec3::Zero(), error_spin = Vec3::Zero();  ///< by which the last impact's runs differed [m/s, rad/s]
 
   /// What steps go by.
   double total_error() const { return error + unknown; }
-  /// What the user is told.
-  double stated_error() const { return error + unknown + grown; }
   /// Begins anew in this phase; what it has cost stays.
-  void begin(Phase next) {
-    *this = {.phase = next,
-             .doubts = next == Phase::flight ? 0 : doubts,
-             .error = error,
-             .unknown = unknown,
-             .grown = grown,
-             .error_velocity = error_velocity,
-             .error_spin = error_spin};
-  }
+  void begin(Phase next) { *this = {.phase = next, .doubts = next == Phase::flight ? 0 : doubts, .error = error, .unknown = unknown}; }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.phase, s.settling, s.looks, s.impulse, s.listened, s.loudest, s.pressing, s.since, s.doubts, s.trust, s.next_trust,
-                  s.trusted_error, s.rest_trust, s.next_rest_trust, s.step, s.error, s.unknown, s.grown, s.error_velocity, s.error_spin);
+                  s.trusted_error, s.rest_trust, s.next_rest_trust, s.step, s.error, s.unknown);
   }
 };
 static_assert(visits_every_field<StiffContact>);

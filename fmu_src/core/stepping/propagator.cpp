@@ -59,8 +59,7 @@ Facts Propagator::facts(const StepContext& context, double H) const {
   if (facts.obstacles && (around.planes.back().solid() || !around.free.empty())) {  // of plans impacts alone know these
     facts.clear = false;
     facts.within_reach = true;
-    const bool others = std::ranges::any_of(around.planes, [](const Plane& plane) { return !plane.own; });
-    if (facts.pins || (!around.free.empty() && others)) facts.stiffness = 0;  // free obstacles may meet others
+    if (facts.pins) facts.stiffness = 0;  // free obstacles may meet others
   }
   return facts;
 }

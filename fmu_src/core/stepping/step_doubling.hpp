@@ -3,7 +3,7 @@
 /// experience says that the largest stable step is accurate enough, stretches are run once.
 #pragma once
 #include "kit/integrators.hpp"
-#include "stepping/landings.hpp"
+#include "kit/landings.hpp"
 
 namespace softffd {
 

@@ -212,8 +212,7 @@ void Messages::report_error(const SoftBody& body, double time) {
   const double lost = body.readings().stated_error(), allowed = body.settings.tolerance * body.lattice().largest_side();
   if (!(lost > std::max(doubtful * allowed, more_doubtful * reported_.error)) || !logger_.on(log_warning)) return;
   reported_.error = lost;
-  const StiffContact& stiff = body.run().path.stiff;
-  const bool phases = body.readings().landing_error() + stiff.unknown + stiff.grown > 0.5 * lost;
+  const bool phases = body.readings().landing_error() > 0.5 * lost;
   logger_.log(
       fmi2Warning, log_warning,
       at_time(time) + "the tolerance could not be met in contact: the result may be wrong by " + estimate(lost) +

@@ -1,5 +1,5 @@
 /// What landings make of errors, on bodies that bounce.
-#include "stepping/landings.hpp"
+#include "kit/landings.hpp"
 
 #include "surface_bodies.hpp"
 

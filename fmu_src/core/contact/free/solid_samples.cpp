@@ -122,6 +122,26 @@ std::optional<SolidSample> sample_of(const PlaneMotion& solid, const SolidPose& 
   return SolidSample{place, place};
 }
 
+double own_gap(const Plane& free, const Plane& other, double time) {
+  const SolidPose pose = free.pose_at(time), its_pose = other.pose_at(time);
+  double least = std::numeric_limits<double>::infinity();
+  const auto look = [&](const Plane& solid, const SolidPose& own, const Plane& at, const SolidPose& there) {
+    for (int n = 0; n < samples_of(solid); ++n)
+      if (const auto sample = sample_of(solid, own, n, at, there))
+        least = std::min(least, facing_half_space(at, there, sample->facing).gap(sample->place));
+  };
+  look(free, pose, other, its_pose);
+  if (other.solid()) look(other, its_pose, free, pose);
+  return least;
+}
+
+bool free_off_others(const std::vector<Plane>& planes, double time, double gap) {
+  for (const Plane& free : planes)
+    for (const Plane& other : planes)
+      if (free.own && !other.own && !(own_gap(free, other, time) > gap)) return false;
+  return true;
+}
+
 double friction_between(const Plane& one, const Plane& other) {
   const Plane &free = one.own ? one : other, &held = one.own ? other : one;
   return free.own->body().guided() ? 0 : held.friction;

@@ -30,6 +30,10 @@ struct SolidSample {
 };
 /// Sample n of a solid in this pose, where it meets another obstacle; none where nothing of the edge lies over it.
 std::optional<SolidSample> sample_of(const PlaneMotion& solid, const SolidPose& pose, int n, const Plane& other, const SolidPose& its_pose);
+/// Gap between a free obstacle and another one at a time in flight: the least of the own samples of both [m].
+double own_gap(const Plane& free, const Plane& other, double time);
+/// Whether free obstacles are off all others by this much then [m].
+bool free_off_others(const std::vector<Plane>& planes, double time, double gap);
 /// Coefficient between a free obstacle and another: of that one; of a body on a guide none, for the guide takes what is across it.
 double friction_between(const Plane& one, const Plane& other);
 /// Where material of a solid that was at this place in one pose is in another.

@@ -66,7 +66,7 @@ StepStatus ImplicitContact::take_euler(const Step& step, bool watch, State& stat
   free_work_ = stage_.work_of_free(step);
   if (!close(step, outside, work, watch, ramp, exchange)) return StepStatus::not_finite;
   stage_.book(step, 1, exchange);
-  given_ += stage_.given_by_contacts(step, work);
+  given_ += stage_.given_by_contacts(step, work) - free_work_;
   slip_.add(stage_.slip_of_contacts(step));
   if (count) lost_ -= step.h * stage_.lost_power(step);
   turn_back(watch, exchange);

@@ -16,11 +16,14 @@ namespace softffd {
 class Landings {
  public:
   explicit Landings(const Run& run) : path_(run.path) {}
-  /// The path has come from begin by these steps, or by twice as many. impact: something came onto an obstacle.
-  void follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span, bool impact);
+  /// The path has come from begin by these steps, or by twice as many. impact: something came onto an obstacle. flown: of the tolerance,
+  /// what a flight before may have put vibrations off by; 0: it is not known.
+  void follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span, bool impact,
+              double flown = 0);
+  /// The neighbour and the path no longer take the same steps: what they differ by is kept.
+  void part(const StepContext& context, bool flies);
 
  private:
-  void part(const StepContext& context, bool flies);
   Path path_;
 };
 

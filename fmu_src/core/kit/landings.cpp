@@ -1,4 +1,4 @@
-#include "stepping/landings.hpp"
+#include "kit/landings.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -115,12 +115,12 @@ bool free_of_obstacles(const StepContext& context, State& beside) {
 }
 
 /// A landing begins: the neighbour goes on from beside the path. beside: scratch.
-void set_beside(const StepContext& context, const State& begin, State& beside) {
+void set_beside(const StepContext& context, const State& begin, State& beside, double flown) {
   const Body& body = context.model.body;
   Neighbour& neighbour = context.run.course.neighbour;
   const RigidMotion rigid = rigid_motion(body.mass, begin.x, begin.v);
   if (context.drive.pins.empty()) fly_on(body, begin, rigid, nearest_obstacle(context, begin).obstacle.normal, neighbour);
-  const double least = use::least_error * context.request.tolerance;
+  const double least = (flown > 0 ? flown : use::least_error) * context.request.tolerance;
   if (neighbour.x.abs().maxCoeff() < least) shift_phase(body, begin, rigid, least, neighbour.x);
   beside.time = begin.time;
   beside.x = begin.x + neighbour.x;
@@ -153,7 +153,7 @@ Drift sliding_apart(const StepContext& context, const Vec3& velocity) {
 }  // namespace
 
 void Landings::follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span,
-                      bool impact) {
+                      bool impact, double flown) {
   Path& path = context.run.path;
   Neighbour& neighbour = context.run.course.neighbour;
   if (neighbour.follows && neighbour.off.time != begin.time) neighbour.forget();  // other steps came between
@@ -161,7 +161,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
     if (!impact) return;
     std::vector<FreeState> end = begin.free;  // free obstacles are where they were
     end.swap(path.motion.free);
-    if (off_obstacles(context, begin.time, begin.x)) set_beside(context, begin, path_.motion);
+    if (off_obstacles(context, begin.time, begin.x)) set_beside(context, begin, path_.motion, flown);
     end.swap(path.motion.free);
     if (!neighbour.follows) return;
   }
@@ -193,7 +193,6 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
   if ((flies && neighbour.landed) || path.motion.time - neighbour.impact > slowest_period(context)) part(context, flies);
 }
 
-/// They no longer take the same steps: what they differ by is kept.
 void Landings::part(const StepContext& context, bool flies) {
   const Body& body = context.model.body;
   const State& motion = context.run.path.motion;
