@@ -78,11 +78,15 @@ int main() {
   std::printf("%s %d\t%s\n", compiler, major, set[static_cast<int>(kernels::instructions())]);
   Box bare(Method::leapfrog, {4, 4, 4}, {1.02, 1, 1}, 0), resting(Method::leapfrog, {4, 4, 4}, {1, 1, 1}, 1),
       standing(Method::leapfrog, {4, 4, 4}, {1, 1, 1}, 1, feet);
+  Box damped(Method::leapfrog, {4, 4, 4}, {1, 1, 1}, 1, feet);
+  damped.body.settings.internal_damping = 1e-4;
+  damped.go_on(16);
   Box implicit(Method::backward_euler, {3, 3, 3}, {1.02, 1, 1}, 0);
   print("a communication step of one step", bare.counted(1));
   print("a communication step of 16 steps", bare.counted(16));
   print("8 steps with 16 points on a plane", resting.counted(8));
   print("8 steps with 3 vertices on a plane", standing.counted(8));
+  print("8 damped steps with 3 vertices on a plane", damped.counted(8));
   print("an implicit step, 3 x 3 x 3", implicit.counted(1));
   print("64 vertices, 4 x 4 x 4, Bezier", of_vertices(4, false));
   print("64 vertices, 12 x 12 x 12, B-splines", of_vertices(12, true));

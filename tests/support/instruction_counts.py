@@ -5,9 +5,9 @@
     ... --build FOLDER                                     where C++ is built, build/native by default
 
 The program tests/core/instruction_counts.cpp counts its own instructions one by one, on Linux on x86-64: an internal step, what a
-communication step costs besides, a step in contact of points and of the surface, an implicit step, a vertex of `deform`. The counts are
-the same on every machine, but for each compiler others: they are kept by its name and major version. Those of the C library are not
-among them.
+communication step costs besides, a step in contact of points and of the surface, a damped one, an implicit step, a vertex of `deform`. The
+counts are the same on every machine, but for each compiler others: they are kept by its name and major version. Those of the C library are
+not among them.
 """
 
 from __future__ import annotations

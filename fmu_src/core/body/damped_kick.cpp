@@ -62,6 +62,7 @@ void DampedKick::prepare(const Body& body, double t, double rate) {
   for (int p = 0; p < body.points(); ++p)
     if (body.pinned[p]) pinned_.push_back(p);
   scale_ = -t / body.mass;
+  opposed_ = -body.damping;
   reach_ = t * rate_;
   interpolate(products(reach_) - 2, reach_, shares_);
 }
@@ -72,16 +73,15 @@ void DampedKick::hold_pins(const Points& v0, Points& v) const {
 
 void DampedKick::multiply(const Body& body, const Points& x, Points& v, Points& out) const {
   for (const int p : pinned_) set_row(v, p, Vec3::Zero());
-  for (int axis = 0; axis < 3; ++axis) out.col(axis) = -body.damping * v.col(axis);
+  kernels::scale(body.points(), opposed_.data(), v.data(), out.data());
   body.add_dashpot_force(x, v, out);
-  for (int axis = 0; axis < 3; ++axis) out.col(axis) *= scale_;
+  kernels::scale(body.points(), scale_.data(), out.data(), out.data());
 }
 
 void DampedKick::apply(const Body& body, const Points& x, const Points& inner, const Points& outside, const Points& v0, Points& v) {
-  for (int axis = 0; axis < 3; ++axis)
-    acceleration_.col(axis) = (inner.col(axis) + outside.col(axis) - body.damping * v0.col(axis)) / body.mass;
-  sum_ = shares_[0] * acceleration_;
-  now_ = acceleration_;
+  kernels::begin_kick(body.points(), body.mass.data(), body.damping.data(), inner.data(), outside.data(), v0.data(), shares_[0],
+                      acceleration_.data(), sum_.data());
+  if (shares_.size() > 1) now_ = acceleration_;
   for (std::size_t j = 1; j < shares_.size(); ++j) {
     multiply(body, x, now_, product_);
     if (j == 1) {
@@ -93,7 +93,7 @@ void DampedKick::apply(const Body& body, const Points& x, const Points& inner, c
     sum_ += shares_[j] * now_;
   }
   multiply(body, x, sum_, product_);
-  v = v0 + t_ * (acceleration_ - product_);
+  kernels::end_kick(v.size(), t_, v0.data(), acceleration_.data(), product_.data(), v.data());
 }
 
 double DampedKick::loss(const Body& body, const Points& spring, const Points& outside, const Points& v0, const Points& v, bool drifted) {

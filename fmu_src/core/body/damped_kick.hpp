@@ -54,7 +54,7 @@ class DampedKick {
   double reach_ = 0;            ///< t times the fastest rate
   std::vector<double> shares_;  ///< of psi's polynomial, of Chebyshev's T_0, T_1 ... of 1 - 2 t A / reach
   std::vector<int> pinned_;
-  Scalars scale_;                                       ///< of what C + D take to -t A
+  Scalars scale_, opposed_;                             ///< of what C + D take to -t A; -D
   Points acceleration_, now_, before_, product_, sum_;  ///< the last: y
 };
 

@@ -74,6 +74,28 @@ INNER void drift(std::size_t n, double h, const double* x, const double* v, doub
   for (std::size_t i = 0; i < n; ++i) y[i] = x[i] + h * v[i];
 }
 
+INNER void push(std::size_t n, double h, const double* m, const double* f, double* __restrict v) {
+  for (std::size_t i = 0; i < n; ++i) v[i] += h * (m[i] * f[i]);
+}
+
+INNER void begin_kick(int points, const double* m, const double* d, const double* f, const double* g, const double* v, double s, Out a,
+                      Out b) {
+  for (int column = 0; column < 3 * points; column += points)
+    for (int p = 0, i = column; p < points; ++p, ++i) {
+      a[i] = (f[i] + g[i] - d[p] * v[i]) / m[p];
+      b[i] = s * a[i];
+    }
+}
+
+INNER void end_kick(std::size_t n, double h, const double* v0, const double* a, const double* b, double* __restrict v) {
+  for (std::size_t i = 0; i < n; ++i) v[i] = v0[i] + h * (a[i] - b[i]);
+}
+
+INNER void scale(int points, const double* s, const double* x, double* y) {
+  for (int column = 0; column < 3 * points; column += points)
+    for (int p = 0; p < points; ++p) y[column + p] = s[p] * x[column + p];
+}
+
 INNER void accelerate(std::size_t n, const double* m, const double* f, const double* g, double* __restrict a) {
   for (std::size_t i = 0; i < n; ++i) a[i] = m[i] * (f[i] + g[i]);
 }
@@ -263,6 +285,10 @@ decltype(add_stiffness_bounds) add_stiffness_bounds = chosen<loops::add_stiffnes
 decltype(kick) kick = chosen<loops::kick>();
 decltype(kick_and_drift) kick_and_drift = chosen<loops::kick_and_drift>();
 decltype(drift) drift = chosen<loops::drift>();
+decltype(push) push = chosen<loops::push>();
+decltype(begin_kick) begin_kick = chosen<loops::begin_kick>();
+decltype(end_kick) end_kick = chosen<loops::end_kick>();
+decltype(scale) scale = chosen<loops::scale>();
 decltype(accelerate) accelerate = chosen<loops::accelerate>();
 decltype(accelerate_damped) accelerate_damped = chosen<loops::accelerate_damped>();
 decltype(combine) combine = chosen<loops::combine<2>, loops::combine<4>, loops::combine<8>>();

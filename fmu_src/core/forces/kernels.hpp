@@ -30,6 +30,16 @@ extern void (*const kick_and_drift)(std::size_t n, const double* a, const double
 /// y = x + h v, n values each.
 extern void (*const drift)(std::size_t n, double h, const double* x, const double* v, double* y);
 
+/// v += h (m f) with inverse masses m, n values each.
+extern void (*const push)(std::size_t n, double h, const double* m, const double* f, double* v);
+/// a = (f + g - d v) / m of points with masses m and damping d (points), and b = s a; all else (3 * points).
+extern void (*const begin_kick)(int points, const double* m, const double* d, const double* f, const double* g, const double* v, double s,
+                                double* a, double* b);
+/// v = v0 + h (a - b), n values each.
+extern void (*const end_kick)(std::size_t n, double h, const double* v0, const double* a, const double* b, double* v);
+/// y = s x of points with a number s each, (3 * points); y may be x.
+extern void (*const scale)(int points, const double* s, const double* x, double* y);
+
 /// a = m (f + g) with inverse masses m, n values each.
 extern void (*const accelerate)(std::size_t n, const double* m, const double* f, const double* g, double* a);
 /// a = m (f + g) - r v with damping rates r, n values each.

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "model/arithmetic.hpp"
@@ -115,6 +116,14 @@ void Solid::set_material(double modulus, double ratio, double time) {
   body_.mu = modulus / (2 * (1 + ratio));
   body_.lambda = modulus * ratio / ((1 + ratio) * (1 - 2 * ratio));
   time_ = time;
+  if (!(time_ > 0) || kept_.size() > 0) return;
+  kept_.resize(bounds_.size() * kernels::kept_numbers);
+  keep_gradients(rest_);
+}
+
+void Solid::keep_gradients(const Points& x) const {
+  kept_at_ = x;
+  kernels::find_gradients(body_, x.data(), kept_.data());
 }
 
 void Solid::subtract_product(const Points& x, const Linearisation& of, const Points& u, Points& f) const {
@@ -210,8 +219,16 @@ double Solid::swing(const Points& x, const Points& v, const Swing& by) const {
   return largest.value();
 }
 
+void Solid::add_force(const Points& x, Points& f) const {
+  if (time_ > 0) kept_at_ = x;
+  kernels::subtract_elastic(body_, x.data(), f.data(), time_ > 0 ? kept_.data() : nullptr);
+}
+
+/// A step asks for several at one place.
 void Solid::add_dashpot_force(const Points& x, const Points& v, Points& f, double drift) const {
-  if (time_ > 0) kernels::subtract_viscous(body_, time_, drift, x.data(), v.data(), f.data());
+  if (!(time_ > 0)) return;
+  if (std::memcmp(kept_at_.data(), x.data(), x.size() * sizeof(double)) != 0) keep_gradients(x);
+  kernels::subtract_viscous(body_, time_, drift, kept_.data(), v.data(), f.data());
 }
 
 double Solid::dashpot_power(const Points& x, const Points& v) const {

@@ -64,7 +64,7 @@ class Solid final : public Energy {
   void set_material(double modulus, double ratio, double time);
 
   double energy(const Points& x) const override { return kernels::solid_energy(body_, x.data()); }
-  void add_force(const Points& x, Points& f) const override { kernels::subtract_elastic(body_, x.data(), f.data()); }
+  void add_force(const Points& x, Points& f) const override;
   void add_blocks(const Points& x, const Linearisation& of, BlockSink& sink) const override;
   void subtract_product(const Points& x, const Linearisation& of, const Points& u, Points& f) const override;
   double largest_stiffness() const override;
@@ -95,6 +95,7 @@ class Solid final : public Energy {
   template <class Squared>
   double largest(const Points& x, const Scalars& mass, const std::vector<bool>& pinned, const Squared& squared) const;
   double density(int patch, const Scalars& mass, const std::vector<bool>& pinned) const;
+  void keep_gradients(const Points& x) const;
   /// The node of a patch with the lowest number.
   int first_node(int patch) const;
   double squared_frequency(const kernels::PatchBounds& bounds) const;
@@ -107,6 +108,8 @@ class Solid final : public Energy {
   double gradient_, divergence_;  ///< L, D [1/m2]
   double time_ = 0;               ///< of the internal damping [s]
   mutable std::vector<kernels::PatchBounds> bounds_;
+  mutable Points kept_at_;                                ///< with internal damping: the last positions,
+  mutable Scalars kept_;                                  ///< and F there, patch by patch
   mutable std::unique_ptr<kernels::PatchMatrix> matrix_;  ///< since one was asked for
 };
 

@@ -20,6 +20,12 @@ INNER void gradients(const SolidBody& body, const double* field, Rows<n>* F) {
   for (int c = 0; c < 3; ++c) derive<n>(body, field + c * body.points, F + 3 * c);
 }
 
+/// Where those of the first patch are kept; the next one's follow.
+template <int n>
+INNER Rows<n>* kept_at(double* kept) {
+  return reinterpret_cast<Rows<n>*>(kept);
+}
+
 /// J - 1 at the nodes, and its projection.
 template <int n>
 INNER void volumes(const SolidBody& body, const Rows<n>* F, Rows<n>& q, Rows<n>& t) {
@@ -50,18 +56,15 @@ INNER StrainRate<n> strain_rate(const Nine<n>& f, const Nine<n>& g, double drift
   StrainRate<n> rate;
   const auto along = [](const Nine<n>& a, int i, const Nine<n>& b, int j)
                          INLINED { return (a(0, i) * b(0, j) + a(1, i) * b(1, j)) + a(2, i) * b(2, j); };
-  for (int e = 0; e < 6; ++e) {
-    const int i = first[e], j = second[e];
-    rate.s[e] = along(f, i, g, j) + along(g, i, f, j);
-    if (drift != 0) rate.s[e] = rate.s[e] + drift * along(g, i, g, j);
-  }
+  for (int e = 0; e < 6; ++e) rate.s[e] = along(f, first[e], g, second[e]) + along(g, first[e], f, second[e]);
+  for (int e = 0; e < 6 && drift != 0; ++e) rate.s[e] = rate.s[e] + drift * along(g, first[e], g, second[e]);
   rate.trace = 0.5 * ((rate.s[0] + rate.s[1]) + rate.s[2]);
   return rate;
 }
 
-/// G <- F S, S = time (2 mu dE/dt + lambda Pi (tr dE/dt) 1).
-template <int n>
-INNER void viscous_stress(const SolidBody& body, double time, double drift, const Rows<n>* F, Rows<n>* G) {
+/// Hands use(entry, row, what stands there) F S, S = time (2 mu dE/dt + lambda Pi (tr dE/dt) 1); spoils G.
+template <int n, class Use>
+INNER void viscous_stress(const SolidBody& body, double time, double drift, const Rows<n>* F, Rows<n>* G, Use&& use) {
   Rows<n> trace, t;
   for (int r = 0; r < rows; ++r) {
     const StrainRate<n> rate = strain_rate(row_of<n>(F, r), row_of<n>(G, r), drift);
@@ -77,7 +80,7 @@ INNER void viscous_stress(const SolidBody& body, double time, double drift, cons
     for (int e = 3; e < 6; ++e) copy(G[e][r], s[e]);
     constexpr int entry[3][3] = {{0, 3, 4}, {3, 1, 5}, {4, 5, 2}};
     for (int c = 0; c < 3; ++c)
-      for (int a = 0; a < 3; ++a) G[3 * c + a][r] = (f(c, 0) * s[entry[0][a]] + f(c, 1) * s[entry[1][a]]) + f(c, 2) * s[entry[2][a]];
+      for (int a = 0; a < 3; ++a) use(3 * c + a, r, (f(c, 0) * s[entry[0][a]] + f(c, 1) * s[entry[1][a]]) + f(c, 2) * s[entry[2][a]]);
   }
 }
 
@@ -95,29 +98,41 @@ INNER void subtract_divergences(const SolidBody& body, const Rows<n>* P, double*
 }
 
 template <int n>
-INNER void elastic(const SolidBody& body, const double* x, double* f) {
+INNER void elastic(const SolidBody& body, const double* x, double* f, double* kept) {
+  Rows<n> P[9], q, t;
+  Rows<n>* F = kept ? kept_at<n>(kept) : P;
   each_patch(body, [&](std::ptrdiff_t at) INLINED {
-    Rows<n> F[9], q, t;
     gradients<n>(body, x + at, F);
     volumes<n>(body, F, q, t);
     for (int r = 0; r < rows; ++r) {
       const Nine<n> here = row_of<n>(F, r), c = cofactors(here);
       const Four<n> w = load_four<n>(body.shape.weight[r]), mu = body.mu * w, p = w * pressure<n>(body, q[r], t[r]).p;
-      for (int i = 0; i < 9; ++i) F[i][r] = mu * here.m[i] + p * c.m[i];
+      for (int i = 0; i < 9; ++i) P[i][r] = mu * here.m[i] + p * c.m[i];
     }
-    subtract_divergences<n>(body, F, f + at);
+    subtract_divergences<n>(body, P, f + at);
+    if (kept) F += 9;
   });
 }
 
 template <int n>
-INNER void viscous(const SolidBody& body, double time, double drift, const double* x, const double* v, double* f) {
+INNER void all_gradients(const SolidBody& body, const double* x, double* kept) {
+  Rows<n>* F = kept_at<n>(kept);
   each_patch(body, [&](std::ptrdiff_t at) INLINED {
-    Rows<n> F[9], G[9];
     gradients<n>(body, x + at, F);
+    F += 9;
+  });
+}
+
+template <int n>
+INNER void viscous(const SolidBody& body, double time, double drift, double* kept, const double* v, double* f) {
+  const Rows<n>* F = kept_at<n>(kept);
+  each_patch(body, [&](std::ptrdiff_t at) INLINED {
+    Rows<n> G[9];
     gradients<n>(body, v + at, G);
-    viscous_stress<n>(body, time, drift, F, G);
-    weigh<n>(body, G);
+    viscous_stress<n>(body, time, drift, F, G,
+                      [&](int i, int r, const Four<n>& stress) INLINED { G[i][r] = load_four<n>(body.shape.weight[r]) * stress; });
     subtract_divergences<n>(body, G, f + at);
+    F += 9;
   });
 }
 
@@ -167,7 +182,8 @@ INNER void tangent(const SolidBody& body, double softening, double per_time, con
     Rows<n> V[9];
     for (int i = 0; i < 9; ++i)
       for (int r = 0; r < rows; ++r) copy(G[i][r], V[i][r]);
-    if (per_time > 0) viscous_stress<n>(body, per_time, 0, F, V);
+    if (per_time > 0)
+      viscous_stress<n>(body, per_time, 0, F, V, [&](int i, int r, const Four<n>& stress) INLINED { copy(stress, V[i][r]); });
     for (int r = 0; r < rows; ++r) {
       const Nine<n> here = row_of<n>(F, r), g = row_of<n>(G, r), c = cofactors(here), dc = cofactors(here, g);
       const Pressure<n> now = pressure<n>(body, q[r], t[r]);
@@ -378,6 +394,7 @@ INNER void bounds(const SolidBody& body, const double* x, PatchBounds* each) {
 }  // namespace patch
 
 decltype(subtract_elastic) subtract_elastic = chosen<patch::elastic<2>, patch::elastic<4>>();
+decltype(find_gradients) find_gradients = chosen<patch::all_gradients<2>, patch::all_gradients<4>>();
 decltype(subtract_viscous) subtract_viscous = chosen<patch::viscous<2>, patch::viscous<4>>();
 decltype(subtract_tangent) subtract_tangent = chosen<patch::tangent<2>, patch::tangent<4>>();
 decltype(patch_matrix) patch_matrix = chosen<patch::matrix<2>, patch::matrix<4>>();

@@ -40,10 +40,13 @@ struct SolidBody {
   double mu = 0, lambda = 0;  ///< Lame's constants [Pa]
 };
 
-/// f -= the energy's gradient at x. All (3 * points).
-extern void (*const subtract_elastic)(const SolidBody& body, const double* x, double* f);
-/// f -= what viscosity of this time [s] exerts at velocities v; drift: forces/energy.hpp.
-extern void (*const subtract_viscous)(const SolidBody& body, double time, double drift, const double* x, const double* v, double* f);
+/// Numbers of the deformation gradients F of a patch that are kept for its viscosity: nine at each node. They begin at a whole register.
+inline constexpr int kept_numbers = 9 * 64;
+/// f -= the energy's gradient at x. All (3 * points). kept: F of the patches, where they are asked for.
+extern void (*const subtract_elastic)(const SolidBody& body, const double* x, double* f, double* kept);
+extern void (*const find_gradients)(const SolidBody& body, const double* x, double* kept);
+/// f -= what viscosity of this time [s] exerts where F are these, at velocities v; drift: forces/energy.hpp.
+extern void (*const subtract_viscous)(const SolidBody& body, double time, double drift, double* kept, const double* v, double* f);
 /// f -= (second derivatives at x + per_time times the viscosity's matrix) u. softening: of what the pressure at a node takes from the
 /// stiffness beyond what a rotation needs, from 0 to 1.
 extern void (*const subtract_tangent)(const SolidBody& body, double softening, double per_time, const double* x, const double* u,

@@ -68,6 +68,7 @@ struct Stretch {
 };
 
 /// Of dashpots: c times the mean rate of the length over the drift, for each length; and for each length of d.
+template <bool drifts>
 struct Rate {
   static constexpr int arrays = 2;
   const SpringKinds& kinds;
@@ -78,6 +79,7 @@ struct Rate {
     const Triple<n>& w = *more;
     const Lanes<n> inverse = 1.0 / (d.x * d.x + d.y * d.y + d.z * d.z + smallest_square);
     const Lanes<n> rate = (d.x * w.x + d.y * w.y + d.z * w.z) * inverse;
+    if constexpr (!drifts) return load<n>(material.stiffness + lane) * rate;
     const Lanes<n> ax = w.x - rate * d.x, ay = w.y - rate * d.y, az = w.z - rate * d.z;  // across
     return load<n>(material.stiffness + lane) * (rate + 0.5 * drift * ((ax * ax + ay * ay + az * az) * inverse));
   }
@@ -276,7 +278,12 @@ INNER void force(const SpringPass& pass, SpringPass::Part& part, const double* x
 
 template <int n, bool wraps>
 INNER void add_dashpots(const SpringPass& pass, SpringPass::Part& part, const double* x, const double* v, double drift, double* f) {
-  sweep<n, wraps>(pass, part, Rate{*pass.dashpots, {x, v}, drift}, Add{{pass.points, f}});
+  const auto add = [&]<bool drifts>()
+                       INLINED { sweep<n, wraps>(pass, part, Rate<drifts>{*pass.dashpots, {x, v}, drift}, Add{{pass.points, f}}); };
+  if (drift == 0)
+    add.template operator()<false>();
+  else
+    add.template operator()<true>();
 }
 
 template <int n, bool wraps>

@@ -111,16 +111,16 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
   Exchange& exchange = path.exchange;
   const bool planes = !view.around.planes.empty();
   before_.swap(state.v);
-  rates_ = before_;
-  prepare_kick(view, state, view.h);
-  if (planes && resolved_) {
+  prepare_kick(view, state, before_, view.h);
+  const bool held = planes && is_held(path);
+  if (held) {
     if (surface_)
       reactions_.hold(view, *surface_, path, before_);
     else
       reactions_.open(view, before_);
   }
-  kick(view, state, planes && resolved_, false, exchange);
-  next_ = state.x + view.h * state.v;
+  kick(view, state, held, false, exchange);
+  kernels::drift(next_.size(), view.h, state.x.data(), state.v.data(), next_.data());
   kick_parts(view, state.free, kicked_by(view, before_, state.v));
   drift_pins(view, state.v, next_, exchange);
   if (!planes) {
@@ -150,20 +150,24 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
   State& state = path.motion;
   Exchange& exchange = path.exchange;
   const bool touched = !view.around.planes.empty() && (surface_ ? surface_->touched() : contact_.touched());
-  middle_ = before_ = state.v;
+  before_.swap(state.v);
+  if (!view.around.pins.empty()) middle_ = before_;
   view.around.visit_pinned(view.t1, [&](const PinnedPoint& held) { set_row(before_, held.point, held.velocity()); });
-  rates_ = before_;
-  if (lands_ && resolved_)
+  const bool landed = lands_ && resolved_;
+  if (landed) {
+    rates_ = before_;
     for (int p = 0; p < view.body.points(); ++p)
       if (!view.body.pinned[p]) set_row(rates_, p, 2 / view.h * row(drift_, p) - row(kicked_, p));
-  prepare_kick(view, state, -view.h);
-  if (touched && resolved_) {
+  }
+  prepare_kick(view, state, landed ? rates_ : before_, -view.h);
+  const bool held = touched && is_held(path);
+  if (held) {
     if (surface_)
       reactions_.hold(view, *surface_, path, before_);
     else
       reactions_.close(view, contact_, before_);
   }
-  kick(view, state, touched && resolved_, true, exchange);
+  kick(view, state, held, true, exchange);
   kick_parts(view, state.free, kicked_by(view, before_, state.v));
   return_pins(view, middle_, before_, state.v, exchange);
   if (!touched) return StepStatus::ok;
@@ -174,16 +178,19 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
   return status;
 }
 
-void DampedLeapfrog::prepare_kick(const StepView& view, const State& state, double drift) {
+void DampedLeapfrog::prepare_kick(const StepView& view, const State& state, const Points& rates, double drift) {
   inner_ = state.spring;
-  view.body.add_dashpot_force(state.x, rates_, inner_, drift);
+  view.body.add_dashpot_force(state.x, rates, inner_, drift);
 }
+
+/// By forces that the kick is to know: may anything rest on an obstacle?
+bool DampedLeapfrog::is_held(const Path& path) const { return resolved_ && (!surface_ || surface_->lasts(path.surface)); }
 
 /// The forces that hold points are the contact's: their work is none of the kick's.
 void DampedLeapfrog::kick(const StepView& view, State& state, bool held, bool drifted, Exchange& exchange) {
   if (held) acting_ = view.force + reactions_.forces();
   kick_.apply(view.body, state.x, inner_, held ? acting_ : view.force, before_, state.v);
-  if (!view.around.planes.empty()) kicked_ = state.v;
+  if (!view.around.planes.empty() && (!drifted || losses(view.around))) kicked_ = state.v;
   if (losses(view.around)) exchange.dissipated += kick_.loss(view.body, state.spring, view.force, before_, state.v, drifted);
   if (held) reactions_.give_back(view, state.v);
 }

@@ -26,8 +26,10 @@ class DampedLeapfrog {
   StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, Path& path);
   StepStatus open(const StepView& view, Path& path);
   StepStatus close(const StepView& view, Path& path);
-  /// The forces at the beginning of a kick from before_. drift: the time of the drift after it, or less than 0 of the one before it.
-  void prepare_kick(const StepView& view, const State& state, double drift);
+  /// The forces at the beginning of a kick, of dashpots by these velocities. drift: the time of the drift after it, or less than 0 of the
+  /// one before it.
+  void prepare_kick(const StepView& view, const State& state, const Points& rates, double drift);
+  bool is_held(const Path& path) const;
   /// From before_, with the reactions of obstacles where there are any.
   Count impacts() const { return surface_ ? surface_->impacts() : contact_.impacts(); }
   void kick(const StepView& view, State& state, bool held, bool drifted, Exchange& exchange);

@@ -190,11 +190,13 @@ StepStatus Leapfrog::close(const StepView& view, Path& path) {
 void Leapfrog::renew_forces(const StepView& view, State& state) {
   const Body& body = view.body;
   if (!body.dashpots()) return body.internal_force(state.x, state.spring);
-  const auto flat = [](Points& points) { return Eigen::Map<Scalars>(points.data(), points.size()); };
-  const double half = 0.5 * view.h;
-  flat(carried_) = 2 * flat(state.v) - flat(before_) - half * (body.inverse_mass * flat(state.spring));
+  const auto push = [&](double time) {
+    kernels::push(carried_.size(), time, body.inverse_mass.data(), state.spring.data(), carried_.data());
+  };
+  carried_ = 2 * state.v - before_;
+  push(-0.5 * view.h);
   body.internal_force(state.x, state.spring);
-  flat(carried_) += half * (body.inverse_mass * flat(state.spring));
+  push(0.5 * view.h);
   view.around.visit_pinned(view.t1, [&](const PinnedPoint& held) { set_row(carried_, held.point, held.velocity()); });
   take_dashpots(body, state, carried_);
 }

@@ -3,29 +3,44 @@
 #include <algorithm>
 #include <cmath>
 
+#include "machine/instructions.hpp"
+
+namespace softffd::kernels {
+namespace {
+
+/// Inner control points in the place of inner nodes, of lines side by side.
+INNER void side_by_side(int lines, In begin, Out low, Out high, In end) {
+  constexpr double third = 1.0 / 3;
+  for (int i = 0; i < lines; ++i) {
+    const double q1 = low[i], q2 = high[i];
+    low[i] = lobatto::near * q1 + lobatto::far * q2 + (third * end[i] - begin[i]);
+    high[i] = lobatto::near * q2 + lobatto::far * q1 + (third * begin[i] - end[i]);
+  }
+}
+INNER void lines_to_control_points(double* q, int lines, std::ptrdiff_t apart, std::ptrdiff_t step) {
+  if (apart == 1) return side_by_side(lines, q, q + step, q + 2 * step, q + 3 * step);
+  for (int i = 0; i < lines; ++i, q += apart) side_by_side(1, q, q + step, q + 2 * step, q + 3 * step);
+}
+const auto to_control_points = chosen<lines_to_control_points>();
+
+}  // namespace
+}  // namespace softffd::kernels
+
 namespace softffd::lobatto {
 
 namespace {
 
 constexpr double third = 1.0 / 3;
 
-/// Calls patch(numbers of its first node, step) for the four nodes of every patch along an axis, a row of x after the other: of y and z so
-/// many lines side by side as the row is long.
-template <class Patch>
-void each_row(const Lattice& lattice, int axis, double* values, const Patch& patch) {
+/// Calls use(first number, lines, from one line to the next, from one node to the next) for the four nodes of every patch along an axis:
+/// of lines side by side as many as there are, of those along x all.
+template <class Use>
+void each_lines(const Lattice& lattice, int axis, double* values, const Use& use) {
   const auto& n = lattice.counts;
-  const std::ptrdiff_t step = axis == 0 ? 1 : axis == 1 ? n[0] : std::ptrdiff_t(n[0]) * n[1];
-  const int across = axis == 2 ? n[1] : n[2];
-  const std::ptrdiff_t next = axis == 2 ? n[0] : std::ptrdiff_t(n[0]) * n[1];
-  for (int j = 0; j < across; ++j)
-    for (int e = 0; e < patches(n[axis]); ++e) {
-      double* first = values + j * next + 3 * e * step;
-      if (axis > 0) {
-        for (int i = 0; i < n[0]; ++i) patch(first + i, step);
-      } else {
-        for (int k = 0; k < n[1]; ++k) patch(first + k * n[0], step);
-      }
-    }
+  const std::ptrdiff_t layer = std::ptrdiff_t(n[0]) * n[1], step = axis == 0 ? 1 : axis == 1 ? n[0] : layer;
+  const int lines = axis == 0 ? n[1] * n[2] : axis == 1 ? n[0] : n[0] * n[1];
+  for (int k = 0; k < (axis == 1 ? n[2] : 1); ++k)
+    for (int e = 0; e < patches(n[axis]); ++e) use(values + k * layer + 3 * e * step, lines, axis == 0 ? n[0] : 1, step);
 }
 
 }  // namespace
@@ -64,12 +79,7 @@ Scalars volume_shares(const Lattice& lattice) {
 }
 
 void to_control_points(const Lattice& lattice, double* values) {
-  for (int axis = 0; axis < 3; ++axis)
-    each_row(lattice, axis, values, [](double* q, std::ptrdiff_t step) {
-      const double begin = q[0], low = q[step], high = q[2 * step], end = q[3 * step];
-      q[step] = near * low + far * high + (third * end - begin);
-      q[2 * step] = near * high + far * low + (third * begin - end);
-    });
+  for (int axis = 0; axis < 3; ++axis) each_lines(lattice, axis, values, kernels::to_control_points);
 }
 
 void to_control_points(const Lattice& lattice, const Points& nodes, Points& control_points) {
@@ -80,12 +90,14 @@ void to_control_points(const Lattice& lattice, const Points& nodes, Points& cont
 void to_nodes(const Lattice& lattice, Points& forces) {
   for (int c = 0; c < 3; ++c)
     for (int axis = 0; axis < 3; ++axis)
-      each_row(lattice, axis, forces.col(c).data(), [](double* f, std::ptrdiff_t step) {
-        const double low = f[step], high = f[2 * step];
-        f[0] += third * high - low;
-        f[3 * step] += third * low - high;
-        f[step] = near * low + far * high;
-        f[2 * step] = near * high + far * low;
+      each_lines(lattice, axis, forces.col(c).data(), [](double* f, int lines, std::ptrdiff_t apart, std::ptrdiff_t step) {
+        for (int i = 0; i < lines; ++i, f += apart) {
+          const double low = f[step], high = f[2 * step];
+          f[0] += third * high - low;
+          f[3 * step] += third * low - high;
+          f[step] = near * low + far * high;
+          f[2 * step] = near * high + far * low;
+        }
       });
 }
 

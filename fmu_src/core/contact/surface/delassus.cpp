@@ -39,6 +39,7 @@ double Delassus::between(int p, int q) const {
 void Delassus::set_normals(const std::vector<Vec3>& normals) {
   if (normals == normals_) return;
   normals_ = normals;
+  before_.sorted = false;
   if (free_) set_rows({});  // handles are of the places before
   cosines_.clear();
   const int n = int(normals.size());
@@ -53,14 +54,32 @@ void Delassus::set_masses(const Scalars& inverse) {
   inverse_ = inverse;
   of_masses_.clear();
   const std::vector<SurfaceRow> rows = free_ ? std::vector<SurfaceRow>() : rows_;  // handles are of the places before
-  rows_.clear();
+  before_.sorted = sorted_ = false;
   set_rows(rows);
 }
 
+/// Rows from before count as if they were made: what contact may take is not to depend on them.
 void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
-  if (sorted_ && rows == rows_ && !free_) return;
+  const auto at_hand = [&] { return sorted_ && rows == rows_ && !free_; };
+  if (at_hand()) return;
+  exchange();
+  if (at_hand()) return operations_.spend(work_of_rows() + work_of_factor(0));
   list_rows(rows);
   factor(0);
+}
+
+double Delassus::work_of_rows() const { return size() * (weights_work + 0.5 * size() * samples_->support()); }
+double Delassus::work_of_factor(int from) const { return 0.5 * double(size()) * size() * (size() - from); }
+
+/// With the rows before them.
+void Delassus::exchange() {
+  if (free_) return;
+  rows_.swap(before_.rows);
+  over_mass_.swap(before_.over_mass);
+  g_.swap(before_.g);
+  std::swap(factor_, before_.factor);
+  std::swap(range_, before_.range);
+  std::swap(sorted_, before_.sorted);
 }
 
 /// Of the same samples G is as it was.
@@ -72,7 +91,7 @@ void Delassus::list_rows(const std::vector<SurfaceRow>& rows) {
   sorted_ = true;
   if (same) return;
   const int n = size(), width = samples_->support();
-  operations_.spend(n * (weights_work + 0.5 * n * width));
+  operations_.spend(work_of_rows());
   over_mass_.resize(std::size_t(n) * width);
   for (int s = 0; s < n; ++s) samples_->weights(rows_[s].sample, inverse_, &over_mass_[std::size_t(s) * width]);
   range_ = {int(inverse_.size()), 0};
@@ -98,7 +117,7 @@ double Delassus::element(const SurfaceRow& a, const double* of_a, const SurfaceR
 
 /// The rows of L from here on.
 void Delassus::factor(int from) {
-  operations_.spend(0.5 * double(size()) * size() * (size() - from));
+  operations_.spend(work_of_factor(from));
   if (free_) {
     const auto a = [&](int i, int j) {
       return cosine(rows_[i].plane, rows_[j].plane) * g_[start(i) + j] + yield(rows_[i], handles_[i], rows_[j], handles_[j]);

@@ -5,8 +5,8 @@
 ///
 ///      G_st = sum_i W_si W_ti / m_i,      along the rows' normals (n_s . n_t) G_st = A_st.
 ///
-/// A = L L' is kept factored. Rows are appended and dropped one at a time; sorted rows, by plane and sample, have the same bits however
-/// they were come by.
+/// A = L L' is kept factored, and so is that of the rows before these: where other samples slide than press, the two take turns. Rows are
+/// appended and dropped one at a time; sorted rows, by plane and sample, have the same bits however they were come by.
 #pragma once
 #include "contact/free/free_rows.hpp"
 #include "contact/operations.hpp"
@@ -97,6 +97,9 @@ class Delassus {
   static std::size_t start(int row) { return RowFactor::start(row); }
   const double* over_mass(int s) const { return &over_mass_[std::size_t(s) * samples_->support()]; }
   double element(const SurfaceRow& a, const double* of_a, const SurfaceRow& b, const double* of_b) const;
+  void exchange();
+  double work_of_rows() const;
+  double work_of_factor(int from) const;
   void factor(int from);
   void find_range(int from);
   /// Along the normals, what free bodies yield.
@@ -122,6 +125,13 @@ class Delassus {
   Points move_;               ///< by them
   mutable Operations operations_;
   bool sorted_ = true;
+  struct {
+    std::vector<SurfaceRow> rows;
+    std::vector<double> over_mass, g;
+    RowFactor factor;
+    PointRange range;
+    bool sorted = false;  ///< and of the masses and normals at hand
+  } before_;              ///< where nothing is free: rows in whose place others have come
 };
 
 }  // namespace softffd

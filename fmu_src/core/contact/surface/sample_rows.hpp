@@ -17,9 +17,12 @@ class SampleRows {
 
  private:
   const Samples& samples_;
-  std::vector<SurfaceRow> rows_;
-  Scalars weights_;   ///< (rows, points), where all points count
-  PointRange range_;  ///< of those with any weight
+  struct Known {
+    std::vector<SurfaceRow> rows;
+    Scalars weights;   ///< (rows, points), where all points count
+    PointRange range;  ///< of those with any weight
+  };
+  Known now_, before_;  ///< two sets of rows may take turns
 };
 
 }  // namespace softffd

@@ -340,7 +340,9 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   set_free(step.around, before, step.x0);
   if (holds_) lasting_ = touching_;
   close_.rows = drift_.rows;
-  if (!(close_.free() ? hold_free_close(step, v) : hold_close(step, v, touching_))) {
+  if (close_.free() ? hold_free_close(step, v) : hold_close(step, v, touching_)) {
+    if (!close_.free() && !places_known_) at_hand_.at(step.x0, places_);
+  } else {
     if (known_ < 0 || !find_stop_of_known(step, v, rows)) {
       if (known_ >= 0) list_touching();
       if (const StepStatus status = find_stop(touching_, step, v, rows); status != StepStatus::ok) return status;

@@ -62,6 +62,8 @@ class SurfaceContact {
   double loss(const StepView& step, const Points& v1, Exchange& exchange) const;
   /// Where it is not asked for, nothing is kept for it.
   static bool wants_loss(const StepView& step) { return step.around.watch || !step.body.damped; }
+  /// Is anything there for `hold`? Where not, it would leave all velocities as they are.
+  bool lasts(const SurfaceRows& rows) const { return !lasting_.empty() || (!rows.close.empty() && rows.close[0] >= 0); }
   /// Velocities with the samples held that touch at this end of the step, before its drift, and did at the other end, after it; nothing
   /// else changes.
   StepStatus hold(const StepView& step, Points& v, const SurfaceRows& rows, const std::vector<FreeState>& free) {

@@ -165,7 +165,7 @@ bool SurfaceContact::hold_close(const StepView& step, const Points& v, const std
   const HalfSpace& plane = end_[own];
   const bool turns = !plane.spin.isZero(0);
   at_hand_.set(rows);
-  if (!places_known_) at_hand_.at(step.x0, places_);
+  if (turns && !places_known_) at_hand_.at(step.x0, places_);
   at_hand_.at(v, begin_);
   double fastest = std::sqrt(kernels::speeds(step.body.points(), plane.normal.data(), v.data(), close_.gaps[own].of_points.data()));
   find_speeds(v, own);
