@@ -23,7 +23,7 @@ from softffd.cli.keep import keep_run, run_scene_or_fmu
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PAGES = ROOT / "build" / "docs" / "pages"
-COPIED = ("README.md", "CHANGELOG.md", "docs/*.md", "docs/*.png", "docs/tutorials/*.md", "examples/**/*", "fmu_src/*/README.md")
+COPIED = ("README.md", "CHANGELOG.md", "docs/*.md", "docs/pictures/*.png", "docs/tutorials/*.md", "examples/**/*", "fmu_src/*/README.md")
 SHOWN = (
     *("car_drop", "car_bump", "car_ball", "press", "hanging", "incline", "stiff_bounce", "spin", "pad", "flat_pad", "beam", "bumper"),
     *("bumper_mass", "drop_weight", "isolator"),

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
+#include "body/samples.hpp"
 #include "forces/energy.hpp"
 #include "forces/kernels.hpp"
-#include "model/samples.hpp"
 
 namespace softffd {
 

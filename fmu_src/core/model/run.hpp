@@ -5,7 +5,6 @@
 ///      EnergyAccount   whether the body has the energy it was given (watch/energy_watch.hpp)
 #pragma once
 #include "model/exchange.hpp"
-#include "model/method.hpp"
 #include "model/state.hpp"
 
 namespace softffd {

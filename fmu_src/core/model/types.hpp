@@ -1,6 +1,7 @@
 /// The few types that every room of the core shares.
 #pragma once
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 
 namespace softffd {
@@ -14,6 +15,12 @@ using Points = Eigen::Array<double, Eigen::Dynamic, 3>;
 
 inline Vec3 row(const Points& points, int p) { return {points(p, 0), points(p, 1), points(p, 2)}; }
 inline void set_row(Points& points, int p, const Vec3& value) { points.row(p) = value.array().transpose(); }
+
+/// Time integration methods; `automatic` takes one of the others for each communication step, `backward_euler` only where a stiff body is
+/// in contact, `sdirk2` where a damped one is, `floating_frame` only where one flies and turns.
+enum class Method { automatic, central_difference, leapfrog, bm4, rkn12, dop853, ros34pw2, backward_euler, sdirk2, floating_frame };
+constexpr Method last(Method) { return Method::floating_frame; }
+inline constexpr std::size_t method_count = std::size_t(Method::floating_frame) + 1;
 
 /// How a step ended. Anything but `ok` leaves the state as it was before the call. `contact_ahead` is between the methods and the
 /// propagator: a method without contact came upon an obstacle.

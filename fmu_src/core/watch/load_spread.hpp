@@ -21,7 +21,7 @@
 #include <array>
 #include <vector>
 
-#include "model/samples.hpp"
+#include "body/samples.hpp"
 
 namespace softffd {
 

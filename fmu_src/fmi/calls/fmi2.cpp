@@ -5,9 +5,9 @@ extern "C" {
 }
 
 #include "calls/fmi2.hpp"
-#include "calls/held_states.hpp"
 #include "calls/opening.hpp"
 #include "calls/requests.hpp"
+#include "calls/states.hpp"
 #include "resource/resource_uri.hpp"
 
 using namespace softffd::fmi;
@@ -47,7 +47,7 @@ fmi2Component fmi2Instantiate(fmi2String instance_name, fmi2Type type, fmi2Strin
 
 void fmi2FreeInstance(fmi2Component component) {
   const FloatEnvironment environment;
-  release_all_of(component);
+  free_states_of(component);
   instances.release(component);
 }
 

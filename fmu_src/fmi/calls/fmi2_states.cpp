@@ -4,7 +4,7 @@ extern "C" {
 }
 
 #include "calls/fmi2.hpp"
-#include "calls/requests.hpp"
+#include "calls/states.hpp"
 
 using namespace softffd::fmi;
 

@@ -5,9 +5,9 @@ extern "C" {
 }
 
 #include "calls/fmi3.hpp"
-#include "calls/held_states.hpp"
 #include "calls/opening.hpp"
 #include "calls/requests.hpp"
+#include "calls/states.hpp"
 
 using namespace softffd::fmi;
 
@@ -60,7 +60,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instance_name, fmi3String to
 
 void fmi3FreeInstance(fmi3Instance instance) {
   const FloatEnvironment environment;
-  release_all_of(instance);
+  free_states_of(instance);
   array_instances.release(instance);
 }
 

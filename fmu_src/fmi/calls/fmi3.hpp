@@ -1,7 +1,7 @@
 /// FMI 3.0's side of the guard: its instances, and what it lets a host call when.
 #pragma once
-#include "calls/arrays.hpp"
 #include "calls/guard.hpp"
+#include "instance/array_instance.hpp"
 
 namespace softffd::fmi {
 

@@ -10,12 +10,18 @@ from softffd.errors import SceneError
 from softffd.spelling import did_you_mean, nearest_of
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
+"""The scenes that come with the package, by folders; each beside the files that it takes."""
+
 ZIP = b"PK\x03\x04"
 
 
 def shipped_scenes() -> list[str]:
     """The names of the scenes that come with the package, in alphabetical order."""
-    return sorted(path.stem for path in SHIPPED.glob("*.toml"))
+    return sorted(_shipped())
+
+
+def _shipped() -> dict[str, Path]:
+    return {path.stem: path for path in SHIPPED.rglob("*.toml")}
 
 
 def shown(path: Path) -> str:
@@ -29,8 +35,8 @@ def find_scene(path_or_name: str | Path) -> Path:
     try:
         if path.is_file():
             return path.absolute()
-        if name in shipped_scenes():
-            return SHIPPED / f"{name}.toml"
+        if shipped := _shipped().get(name):
+            return shipped
         inside = sorted(path.glob("*.toml")) if path.is_dir() else None
     except (OSError, ValueError) as error:
         raise SceneError(name, [f"cannot be opened: {error}"]) from None

@@ -1,9 +1,9 @@
 #include "model/lobatto.hpp"
 
 #include "bodies.hpp"
+#include "body/samples.hpp"
 #include "check.hpp"
 #include "model/basis.hpp"
-#include "model/samples.hpp"
 
 using namespace softffd;
 

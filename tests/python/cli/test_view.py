@@ -80,7 +80,7 @@ def test_the_soft_bodies_of_a_system_run_again_with_what_a_host_recorded(opened,
 def with_mesh(opened) -> Path:
     """A system of a body with a mesh."""
     Path("scene").mkdir()
-    shutil.copy(SHIPPED / "block.obj", "scene")
+    shutil.copy(SHIPPED / "materials" / "block.obj", "scene")
     lid = {"name": "lid", "point": [0, 0, 9], "normal": [0, 0, -1], "motion": "input"}
     block = scene_from({"mesh": {"file": "block.obj"}, "lattice": {"points": [2, 2, 2]}, "plane": [lid]}, path="scene/block.toml")
     other = box(points=[2, 2, 2])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from any_example import require_of_all
 from scenes import TETRAHEDRON
 from softffd import Scene, SceneError, load_scene
-from softffd.scene.document import SHIPPED, shipped_scenes
+from softffd.scene.document import find_scene, shipped_scenes
 from softffd.scene.keys import schema
 from softffd.scene.new import template
 from softffd.scene.scene import scene_from
@@ -21,7 +21,7 @@ from softffd.scene.scene import scene_from
 few_and_many = pytest.mark.parametrize("examples", [pytest.param(count, id=f"{count} scenes") for count in (50, 5000)])
 few = pytest.mark.short("50 scenes")
 
-TEXTS = [(SHIPPED / f"{name}.toml").read_text() for name in shipped_scenes()]
+TEXTS = [find_scene(name).read_text() for name in shipped_scenes()]
 TEXTS.append(re.sub(r"^#(?=\S)", "", template("full"), flags=re.MULTILINE))  # every key in force
 MESHED = {"mesh": {"file": "box.obj"}}
 DOCUMENTS = [*map(tomllib.loads, TEXTS), {}, MESHED, MESHED | {"lattice": {"cells": 3, "margin": 0.1}, "material": {"youngs_modulus": 1e6}}]

@@ -8,7 +8,7 @@ import pytest
 from scenes import TETRAHEDRON
 from softffd.errors import SceneError
 from softffd.fmu.package import scene_masses
-from softffd.scene.document import shipped_scenes
+from softffd.scene.document import SHIPPED, shipped_scenes
 from softffd.scene.keys import schema
 from softffd.scene.new import template
 from softffd.scene.scene import Scene, load_scene, scene_from
@@ -93,6 +93,7 @@ def test_a_csv_beside_the_scene_is_its_default_input(tmp_path):
 def test_the_shipped_scenes_are_all_there():
     promised = {"standard", "free_vibration", "car_ball", "car_bump", "car_drop", "press", "incline", "hanging", "spin"}
     assert promised <= set(shipped_scenes())
+    assert len(shipped_scenes()) == len([*SHIPPED.rglob("*.toml")]), "a name stands in two folders"
 
 
 @pytest.mark.parametrize("name", shipped_scenes())

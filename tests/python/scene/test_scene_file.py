@@ -25,6 +25,7 @@ def test_a_shipped_name_is_found_even_beside_a_directory_of_that_name(tmp_path, 
     (tmp_path / "press").mkdir()
     monkeypatch.chdir(tmp_path)
     assert find_scene("press").name == "press.toml" and find_scene("press").parent.name == "scenes"
+    assert find_scene("car_drop").name == "car_drop.toml" and find_scene("car_drop").with_name("car.obj").is_file()
 
 
 def test_a_file_wins_over_a_shipped_name(tmp_path, monkeypatch):

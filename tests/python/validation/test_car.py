@@ -11,7 +11,7 @@ from softffd.mesh.files import load_mesh
 from softffd.mesh.normals import merge_by_position
 from validation.car import PALETTE, car_mesh
 
-SHIPPED = Path(softffd.__file__).parent / "scenes" / "car.obj"
+SHIPPED = Path(softffd.__file__).parent / "scenes" / "car" / "car.obj"
 
 
 @pytest.fixture(scope="module")

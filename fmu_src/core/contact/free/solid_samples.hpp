@@ -11,8 +11,8 @@
 #pragma once
 #include <optional>
 
+#include "body/samples.hpp"
 #include "model/drive.hpp"
-#include "model/samples.hpp"
 
 namespace softffd {
 

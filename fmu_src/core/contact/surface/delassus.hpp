@@ -8,10 +8,10 @@
 /// A = L L' is kept factored, and so is that of the rows before these: where other samples slide than press, the two take turns. Rows are
 /// appended and dropped one at a time; sorted rows, by plane and sample, have the same bits however they were come by.
 #pragma once
+#include "body/samples.hpp"
 #include "contact/free/free_rows.hpp"
 #include "contact/operations.hpp"
 #include "contact/surface/row_factor.hpp"
-#include "model/samples.hpp"
 
 namespace softffd {
 

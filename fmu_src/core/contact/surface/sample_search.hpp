@@ -9,7 +9,7 @@
 ///
 /// What is in a list beyond that changes no result, so it does not matter when a search was made.
 #pragma once
-#include "model/samples.hpp"
+#include "body/samples.hpp"
 
 namespace softffd {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstddef>
 
-#include "model/samples.hpp"
+#include "body/samples.hpp"
 
 namespace softffd::kernels {
 

@@ -12,8 +12,8 @@
 #pragma once
 #include <vector>
 
+#include "body/samples.hpp"
 #include "contact/free/solid_samples.hpp"
-#include "model/samples.hpp"
 
 namespace softffd {
 

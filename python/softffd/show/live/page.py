@@ -76,7 +76,7 @@ def live_page(scene: Scene, result: Result, library: bytes) -> str:
         "start": (to_flat(stage.positions[:1])[0] - stage.centre).round(6).ravel().tolist(),
         "near": (3 * NEAR + 0.5**PLACE_BITS) * diagonal,
         "meets": scene.contact.of,
-        "command": f"softffd run {shlex.quote(scene.name if scene.path.parent == SHIPPED else scene.path.name)} --input",
+        "command": f"softffd run {shlex.quote(scene.name if scene.path.is_relative_to(SHIPPED) else scene.path.name)} --input",
         "open": described.opened(),  # last: by now it has all that the others are about
     }
     texts = {

@@ -1,4 +1,4 @@
-#include "calls/arrays.hpp"
+#include "instance/array_instance.hpp"
 
 namespace softffd::fmi {
 

@@ -1,4 +1,4 @@
-#include "model/samples.hpp"
+#include "body/samples.hpp"
 
 #include <algorithm>
 
