@@ -8,6 +8,7 @@
 #include "contact/surface/tangents.hpp"
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
+#include "kit/limits.hpp"
 #include "kit/outlook.hpp"
 #include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
@@ -19,6 +20,8 @@ namespace thresholds {
 
 /// Of the neighbour for one of the path at an impact [1].
 constexpr Count impact_steps = 8;
+/// Work of a step in contact, in that of one without, as it is taken beforehand [1].
+constexpr double most_of_contact = 4;
 /// Of a guided obstacle's way out, the least along the normal [1].
 constexpr double least_share_of_guide = 0.1;
 
@@ -166,6 +169,9 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
     if (!neighbour.follows) return;
   }
   const bool lands = impact && begin.time - neighbour.began <= slowest_period(context);  // else it rattles
+  const Span own = method == Method::leapfrog ? out_of_phase(span, lands) : span;
+  const double work = use::most_of_contact * double(own.steps) * step_work(context.model.body, context.drive, context.run, method, own.h);
+  if (!integrators.budget().covers(work)) return neighbour.forget();
   if (impact) neighbour.impact = path.motion.time;
   Snapshot snapshot(path, path_);
   path.motion.x = neighbour.x;
@@ -173,7 +179,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
   path.motion.free = neighbour.free;
   path.motion.time = begin.time;
   context.model.body.internal_force(path.motion.x, path.motion.spring);
-  const Outcome outcome = integrators.take(context, method, method == Method::leapfrog ? out_of_phase(span, lands) : span);
+  const Outcome outcome = integrators.take(context, method, own);
   neighbour.x = path.motion.x;
   neighbour.v = path.motion.v;
   neighbour.free = path.motion.free;
