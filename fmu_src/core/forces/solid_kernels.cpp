@@ -20,12 +20,6 @@ INNER void gradients(const SolidBody& body, const double* field, Rows<n>* F) {
   for (int c = 0; c < 3; ++c) derive<n>(body, field + c * body.points, F + 3 * c);
 }
 
-/// Where those of the first patch are kept; the next one's follow.
-template <int n>
-INNER Rows<n>* kept_at(double* kept) {
-  return reinterpret_cast<Rows<n>*>(kept);
-}
-
 /// J - 1 at the nodes, and its projection.
 template <int n>
 INNER void volumes(const SolidBody& body, const Rows<n>* F, Rows<n>& q, Rows<n>& t) {
@@ -100,7 +94,7 @@ INNER void subtract_divergences(const SolidBody& body, const Rows<n>* P, double*
 template <int n>
 INNER void elastic(const SolidBody& body, const double* x, double* f, double* kept) {
   Rows<n> P[9], q, t;
-  Rows<n>* F = kept ? kept_at<n>(kept) : P;
+  Rows<n>* F = kept ? reinterpret_cast<Rows<n>*>(kept) : P;
   each_patch(body, [&](std::ptrdiff_t at) INLINED {
     gradients<n>(body, x + at, F);
     volumes<n>(body, F, q, t);
@@ -116,7 +110,7 @@ INNER void elastic(const SolidBody& body, const double* x, double* f, double* ke
 
 template <int n>
 INNER void all_gradients(const SolidBody& body, const double* x, double* kept) {
-  Rows<n>* F = kept_at<n>(kept);
+  Rows<n>* F = reinterpret_cast<Rows<n>*>(kept);
   each_patch(body, [&](std::ptrdiff_t at) INLINED {
     gradients<n>(body, x + at, F);
     F += 9;
@@ -125,7 +119,7 @@ INNER void all_gradients(const SolidBody& body, const double* x, double* kept) {
 
 template <int n>
 INNER void viscous(const SolidBody& body, double time, double drift, double* kept, const double* v, double* f) {
-  const Rows<n>* F = kept_at<n>(kept);
+  const Rows<n>* F = reinterpret_cast<Rows<n>*>(kept);
   each_patch(body, [&](std::ptrdiff_t at) INLINED {
     Rows<n> G[9];
     gradients<n>(body, v + at, G);

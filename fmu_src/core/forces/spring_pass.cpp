@@ -28,13 +28,9 @@ constexpr double lead_cost = 0.6;
 namespace kernels {
 
 /// f(0), f(1) ... for all directions, written out one after the other.
-template <class F, std::size_t... d>
-INNER void each(std::index_sequence<d...>, F&& f) {
-  (f(d), ...);
-}
 template <class F>
 INNER void each_way(F&& f) {
-  each(std::make_index_sequence<ways>{}, f);
+  [&]<std::size_t... d>(std::index_sequence<d...>) INLINED { (f(d), ...); }(std::make_index_sequence<ways>{});
 }
 
 /// What is before the first point gives nothing.
@@ -278,12 +274,11 @@ INNER void force(const SpringPass& pass, SpringPass::Part& part, const double* x
 
 template <int n, bool wraps>
 INNER void add_dashpots(const SpringPass& pass, SpringPass::Part& part, const double* x, const double* v, double drift, double* f) {
-  const auto add = [&]<bool drifts>()
-                       INLINED { sweep<n, wraps>(pass, part, Rate<drifts>{*pass.dashpots, {x, v}, drift}, Add{{pass.points, f}}); };
+  const Add add{{pass.points, f}};
   if (drift == 0)
-    add.template operator()<false>();
+    sweep<n, wraps>(pass, part, Rate<false>{*pass.dashpots, {x, v}, drift}, add);
   else
-    add.template operator()<true>();
+    sweep<n, wraps>(pass, part, Rate<true>{*pass.dashpots, {x, v}, drift}, add);
 }
 
 template <int n, bool wraps>
