@@ -33,6 +33,11 @@ std::vector<bool> yielding_points(const Definition& definition) {
   return yielding;
 }
 
+/// Where what is there at rest begins, before it is turned.
+Vec3 placed(const Definition& definition, const Vec3& rest) {
+  return definition.lattice.origin + definition.stretch.cwiseProduct(rest - definition.lattice.origin) + definition.offset;
+}
+
 }  // namespace
 
 Vec3 start_centre(const Definition& definition) {
@@ -43,18 +48,23 @@ Vec3 start_centre(const Definition& definition) {
 Points start_positions(const Definition& definition, const Vec3& rotation) {
   const Lattice& lattice = definition.lattice;
   Points x = rest_positions(lattice);
-  for (int p = 0; p < lattice.points(); ++p)
-    set_row(x, p, lattice.origin + definition.stretch.cwiseProduct(row(x, p) - lattice.origin) + definition.offset);
+  for (int p = 0; p < lattice.points(); ++p) set_row(x, p, placed(definition, row(x, p)));
   if (rotation.isZero(0)) return x;
   const Vec3 centre = start_centre(definition);
   for (int p = 0; p < lattice.points(); ++p) set_row(x, p, centre + rotated(rotation, row(x, p) - centre));
   return x;
 }
 
-PinMotion start_pose(const Lattice& lattice, const Vec3& origin, const Vec3& rotation) {
-  const Vec3 centre = lattice.centre();
+bool is_free(const Definition& definition, int pin) {
+  return std::ranges::find(definition.free, pin, &FreeBody::pin) != definition.free.end();
+}
+
+PinMotion start_pose(const Definition& definition, int pin, const Vec3& origin, const Vec3& rotation) {
+  const Lattice& lattice = definition.lattice;
+  const bool free = is_free(definition, pin);
+  const Vec3 from = free ? placed(definition, origin) : origin, centre = free ? start_centre(definition) : lattice.centre();
   PinMotion pose;
-  pose.position = rotation.isZero(0) ? origin : centre + rotated(rotation, origin - centre);
+  pose.position = rotation.isZero(0) ? from : centre + rotated(rotation, from - centre);
   pose.orientation = quaternion(rotation);
   return pose;
 }

@@ -43,8 +43,11 @@ struct Definition {
 
 /// Before pins and planes move points (points, 3) [m]. rotation: vector [rad] by which the body starts turned about the centre of its box.
 Points start_positions(const Definition& definition, const Vec3& rotation);
-/// The pose at the start of a pin's frame that is at `origin` [m] at rest: it turns with the body.
-PinMotion start_pose(const Lattice& lattice, const Vec3& origin, const Vec3& rotation);
+/// Is this pin the frame of a free body?
+bool is_free(const Definition& definition, int pin);
+/// The pose at the start of this pin's frame that is at `origin` [m] at rest: it turns with the body; a free one is stretched and moved
+/// along with it too.
+PinMotion start_pose(const Definition& definition, int pin, const Vec3& origin, const Vec3& rotation);
 /// Of the box at the start, before it is turned [m].
 Vec3 start_centre(const Definition& definition);
 

@@ -190,10 +190,11 @@ void Variables::follow_pose(Family pose, Motions& moved) const {
   }
 }
 
-/// They hold the points that the start of the body turns.
-void Variables::turn_fixed_pins(Settings& settings) const {
+/// They hold the points that the start of the body turns; free ones come along with it.
+void Variables::take_pins_along(Settings& settings) const {
   for (std::size_t a = 0; a < scene_.pins.size(); ++a)
-    if (!scene_.pins[a].moved_by_input) settings.pins[a] = start_pose(scene_.definition.lattice, pin_origins_[a], settings.rotation);
+    if (!scene_.pins[a].moved_by_input && (scene_.rotation || is_free(scene_.definition, int(a))))
+      settings.pins[a] = start_pose(scene_.definition, int(a), pin_origins_[a], settings.rotation);
 }
 
 bool Variables::apply(Settings& settings) {
@@ -212,7 +213,7 @@ bool Variables::apply(Settings& settings) {
   spread_forces(settings);
   follow_pose(Family::plane_point, settings.planes);
   follow_pose(Family::pin_position, settings.pins);
-  if (scene_.rotation) turn_fixed_pins(settings);
+  take_pins_along(settings);
   values_.changed = false;
   return std::exchange(values_.material_changed, false);
 }

@@ -115,7 +115,7 @@ class Variables {
   bool together(const Variable& one, const Variable& other) const;
   template <class Motions>
   void follow_pose(Family pose, Motions& moved) const;
-  void turn_fixed_pins(Settings& settings) const;
+  void take_pins_along(Settings& settings) const;
   bool method_fits(double method) const;
   void check_method(double method) const;
   void spread(const Table& table, Points& force) const;

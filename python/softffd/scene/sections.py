@@ -230,8 +230,8 @@ class Inputs(Section):
 class Initial(Section):
     """The state at the start: x0 = origin + stretch (X - origin) + offset, X the rest position, then the rotation."""
 
-    stretch: Vector = quantity((1.0, 1.0, 1.0), "1", "factor per axis on the rest shape")
-    offset: Vector = quantity((0.0, 0.0, 0.0), "m", "displacement of the whole object")
+    stretch: Vector = quantity((1.0, 1.0, 1.0), "1", "factor per axis on the rest shape, and on where free pins are")
+    offset: Vector = quantity((0.0, 0.0, 0.0), "m", "displacement of the whole object, and of free pins with it; other pins stay")
     rotation: RotationTable | None = key(
         None,
         "rotation of the whole object about the centre of its box, { axis = [0, 1, 0], degrees = 35 }, with the points that pins hold; "
