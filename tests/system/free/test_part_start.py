@@ -11,8 +11,8 @@ FACE = {"name": "part", "points": "z+", "motion": "free", "mass": 2.0, "inertia"
 
 def hanging(**initial):
     return box(
-        points=[3, 3, 3], material={"stiffness": 1e4, "damping": 0.0}, mass={"total": 1.0}, gravity=[0, 0, -9.81], pin=[FACE], initial=initial,
-        outputs={"energy": True, "solver": True}, stop_time=0.05, communication_step=0.01,
+        points=[3, 3, 3], material={"stiffness": 1e4, "damping": 0.0}, mass={"total": 1.0}, gravity=[0, 0, -9.81], pin=[FACE],
+        initial=initial, outputs={"energy": True, "solver": True}, stop_time=0.05, communication_step=0.01,
     )  # fmt: skip
 
 
