@@ -168,8 +168,8 @@ TEST(values_reach_their_places_in_the_settings) {
   CHECK(s.pins[1].angular_velocity == value3(Family::pin_angular_velocity));
   for (int c = 0; c < 4; ++c) CHECK(s.pins[1].orientation[c] == scene.get(reference_of(Family::pin_orientation, c)));
   CHECK(s.rotation == value3(Family::initial_rotation));
-  const softffd::PinMotion turned =
-      softffd::start_pose(scene.body.lattice(), Vec3::Zero(), s.rotation);  // the fixed one turns with the body
+  const softffd::Definition start{.lattice = scene.body.lattice()};
+  const softffd::PinMotion turned = softffd::start_pose(start, 0, Vec3::Zero(), s.rotation);  // the fixed one turns with the body
   CHECK(s.pins[0].position == turned.position && s.pins[0].orientation == turned.orientation && !turned.position.isZero());
   CHECK(s.gravity == value3(Family::gravity) && s.mass == scene.get(reference_of(Family::mass)));
   CHECK(s.stiffness.edge == scene.get(reference_of(Family::stiffness_edge)) && s.damping == scene.get(reference_of(Family::damping)));
