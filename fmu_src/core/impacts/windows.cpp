@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "contact/tolerances.hpp"
-#include "flight/attitude.hpp"
 #include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
 #include "model/arithmetic.hpp"
@@ -170,8 +169,7 @@ bool Windows::follow(const Beside& at) {
   const Path& path = context.run.path;
   const Neighbour& neighbour = context.run.course.neighbour;
   const double begun = start_.motion.time, length = path.motion.time - begun;
-  const bool lands = impacts_ > 0 && !(neighbour.follows && begun - neighbour.began > slowest_period(context));  // then steps are cut
-  const Count steps = divisions(length, lands ? at.limit : path.clock.h);
+  const Count steps = divisions(length, Landings::lands(context, begun, impacts_ > 0) ? at.limit : path.clock.h);  // cut where it lands
   landings_.follow(at.integrators, context, start_.motion, Method::leapfrog, {begun, 0, length / double(steps), steps}, impacts_ > 0,
                    start_.stiff.phase == Phase::impact ? use::flown_error : 0);
   if (neighbour.off.time != path.motion.time) return false;

@@ -22,6 +22,8 @@ namespace thresholds {
 constexpr Count impact_steps = 8;
 /// Work of a step in contact, in that of one without, as it is taken beforehand [1].
 constexpr double most_of_contact = 4;
+/// To bring a body that is set beside itself out of obstacles, one at a time.
+constexpr int most_ways_out = 20;
 /// Of a guided obstacle's way out, the least along the normal [1].
 constexpr double least_share_of_guide = 0.1;
 
@@ -155,6 +157,11 @@ Drift sliding_apart(const StepContext& context, const Vec3& velocity) {
 
 }  // namespace
 
+bool Landings::lands(const StepContext& context, double time, bool impact) {
+  const Neighbour& neighbour = context.run.course.neighbour;
+  return impact && !(neighbour.follows && time - neighbour.began > slowest_period(context));
+}
+
 void Landings::follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span,
                       bool impact, double flown) {
   Path& path = context.run.path;
@@ -168,8 +175,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
     end.swap(path.motion.free);
     if (!neighbour.follows) return;
   }
-  const bool lands = impact && begin.time - neighbour.began <= slowest_period(context);  // else it rattles
-  const Span own = method == Method::leapfrog ? out_of_phase(span, lands) : span;
+  const Span own = method == Method::leapfrog ? out_of_phase(span, lands(context, begin.time, impact)) : span;
   const double work = use::most_of_contact * double(own.steps) * step_work(context.model.body, context.drive, context.run, method, own.h);
   if (!integrators.budget().covers(work)) return neighbour.forget();
   if (impact) neighbour.impact = path.motion.time;

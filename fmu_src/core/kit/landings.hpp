@@ -20,6 +20,8 @@ class Landings {
   /// what a flight before may have put vibrations off by; 0: it is not known.
   void follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span, bool impact,
               double flown = 0);
+  /// Whether steps from this time on are of a landing, in which the neighbour's are short; else it rattles.
+  static bool lands(const StepContext& context, double time, bool impact);
   /// The neighbour and the path no longer take the same steps: what they differ by is kept.
   void part(const StepContext& context, bool flies);
 

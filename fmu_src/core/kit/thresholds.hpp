@@ -46,8 +46,6 @@ inline constexpr double window_safety = 0.8, window_shrink = 0.1;
 inline constexpr double rebound_share = 0.1;
 /// Share of the tolerance that positions are taken to err by at least.
 inline constexpr double least_error = 0.1;
-/// To bring a body that is set beside itself out of obstacles, one at a time.
-inline constexpr int most_ways_out = 20;
 /// Steps of the first implicit step, which takes up what is left of velocities.
 inline constexpr double settling_steps = 200;
 /// Bounds of the change of a step at rest, the last after a loss of energy, which is an impact within the step.
