@@ -78,12 +78,11 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
       path = before_;
       touches = true;
     } else {
-      stiff.error += neglected * free;
+      path.error.add({neglected * free});
     }
   }
   if (!touches) return StepStatus::ok;
-  const double beside = context.model.body.samples ? context.run.course.contact_error : 0;
-  book_unknown_phase(context, motion, energy, mean, hypotenuse(stiff.total_error(), beside));
+  book_unknown_phase(context, motion, energy, mean, path.total_error());
   stiff.begin(Phase::impact);
   stiff.since = motion.time;
   return StepStatus::ok;

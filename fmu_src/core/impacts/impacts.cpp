@@ -23,7 +23,7 @@ StepStatus Impacts::pass_over(const Beside& at) {
   context.run.energy.kinetic_elastic = -1;
   const StepStatus status = run_implicit(at.integrators, context, Method::backward_euler, at.end);
   const double lost = std::max(0.0, energy_lost(context, before_, 0) - context.model.noise);
-  stiff.error += ahead.along_normal * std::sqrt(2 * lost / context.model.body.mass.sum());
+  context.run.path.error.add({ahead.along_normal * std::sqrt(2 * lost / context.model.body.mass.sum())});
   context.run.course.reason = context.request.method == Method::backward_euler ? Reason::asked : Reason::stiff_contact;
   return status;
 }

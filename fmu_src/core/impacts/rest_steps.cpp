@@ -109,9 +109,9 @@ StepStatus RestSteps::settle(const Beside& at) {
       lost += taken.lost;
     }
     if (taken.status == StepStatus::ok && lost <= use::settling_loss * allowed_loss(context, stiff.pressing)) {
-      const double error = outcome_of(context, coarse_.motion, path.motion, outlook_of_stiff(context, path.motion));
-      if (error <= use::settling_share * context.request.tolerance) {
-        stiff.error += error;
+      const LeftOver left = left_over(context, coarse_.motion, path.motion, outlook_of_stiff(context, path.motion));
+      if (left.size <= use::settling_share * context.request.tolerance) {
+        path.error.add(left);
         stiff.settling = false;
         stiff.step = use::rest_growth * h;
         snapshot.commit();
@@ -205,7 +205,8 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
   Step taken = step_before_event(at, next, use::event_share * allowed(context, next - time), event);
   const double h = next - time;
   const bool cut = next != wanted;
-  double error = infinity, lost = 0;
+  LeftOver left{infinity};
+  double lost = 0;
   if (taken.status == StepStatus::ok) {
     std::swap(coarse_, path);
     snapshot.rollback();
@@ -213,15 +214,18 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
       if (taken.status == StepStatus::ok) taken = step(at, until);
       lost += taken.lost;
     }
-    if (taken.status == StepStatus::ok) error = outcome_of(context, coarse_.motion, path.motion, outlook_of_stiff(context, path.motion));
+    if (taken.status == StepStatus::ok) left = left_over(context, coarse_.motion, path.motion, outlook_of_stiff(context, path.motion));
   }
+  const double error = left.size;
   const double most = allowed(context, h), factor = error > 0 ? use::window_safety * std::sqrt(most / error) : use::rest_growth;
   const bool quiet = std::abs(lost) < allowed_loss(context, taken.pressing);
   if (error <= most && quiet) {
     const bool easy = next == at.end && error < use::easy_rest * most;
     if (easy) std::swap(path, coarse_);  // a step as those that are trusted: others would set off what is at rest
     if (h >= use::worth_resting * at.limit) stiff.doubts = 0;
-    stiff.error += (easy ? 2 * error : error) + event.error;
+    if (easy) left = left.times(2);
+    left.size += event.error;
+    path.error.add(left);
     stiff.pressing = taken.pressing;
     const double longer = h * std::clamp(factor, use::next_shrink, use::rest_growth);
     if (!cut) stiff.step = factor < 1 ? longer : std::max(stiff.step, longer);  // the call may have ended before the step wanted

@@ -107,15 +107,14 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
   course.method = Method::leapfrog;
   course.reason = Reason::impact;
   stiff.phase = after;
-  const bool lost = stiff.total_error() > use::lost * tolerance,
-             flown = context.drive.pins.empty() && flights.has_modes(context.model.body);
+  const bool lost = path.total_error() > use::lost * tolerance, flown = context.drive.pins.empty() && flights.has_modes(context.model.body);
   if (lost || (!fresh && stiff.trust > 0 && !off_obstacles(context, touching))) {
     if (!lost) --stiff.trust;
     start_ = path;
     const double h = lost && flown ? use::after_flight * at.limit : at.limit;
     const StepStatus status = listen(at, flights, h, until, true);
     stiff.settling = stiff.phase == Phase::rest;
-    if (status == StepStatus::ok && (!follow(at) || !fresh) && !lost) stiff.error += stiff.trusted_error;
+    if (status == StepStatus::ok && !follow(at) && !lost) path.error.add(stiff.trusted);
     return status;
   }
   Snapshot snapshot(path, start_);
@@ -132,21 +131,23 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     status = listen(at, flights, 0.5 * h, reached, false);
     if (status != StepStatus::ok) return status;
     const Outlook ahead = outlook(context, path.motion);
-    double error = outcome_of(context, coarse_.motion, path.motion, ahead) / 3, gain = 0;
-    if (rings) error = std::max(error, flights.phase_error(at, coarse_.motion, ahead, gain));
+    LeftOver left = left_over(context, coarse_.motion, path.motion, ahead).times(1.0 / 3);
+    double gain = 0;
+    if (rings) left.size = std::max(left.size, flights.phase_error(at, coarse_.motion, ahead, gain));
+    const double error = left.size;
     const double exact = use::window_share * tolerance / (1 + gain);
     const double known = fresh && stiff.unknown > use::hopeless * tolerance ? use::share_of_known * stiff.unknown : 0;
-    const double allowed = std::max(stiff.total_error() > exact ? use::window_share * tolerance : exact, known);
+    const double allowed = std::max(path.total_error() > exact ? use::window_share * tolerance : exact, known);
     if (error <= allowed || 0.5 * h <= least || tries == use::most_window_tries) {
       const bool easy = !fresh && tries == 0 && 4 * error < use::easy * allowed;
       if (easy) std::swap(path, coarse_);  // steps as those that are trusted: other ones would set off what is at rest
-      stiff.trusted_error = 4 * error;
+      stiff.trusted.learn(left.times(4));
       stiff.phase = next;
       stiff.settling = next == Phase::rest;
       stiff.trust = easy ? stiff.next_trust : 0;
       stiff.next_trust = easy ? std::min(2 * stiff.next_trust, use::longest_window_trust) : 1;
       snapshot.commit();
-      if (!follow(at) || !fresh) stiff.error += easy ? 4 * error : error;
+      if (!follow(at)) path.error.add(easy ? left.times(4) : left);
       return StepStatus::ok;
     }
     course.rejected += path.steps - taken;

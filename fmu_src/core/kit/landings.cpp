@@ -45,8 +45,9 @@ void add(const Vec3& shift, Points& x) {
 
 /// Moves what the bodies differ by on to the end of a flight. The rigid part turns with the body, and its place along the normal, where it
 /// decides when the body lands.
-void fly_on(const Body& body, const State& begin, const RigidMotion& rigid, const Vec3& normal, Neighbour& neighbour) {
-  const double time = begin.time - neighbour.off.time;
+void fly_on(const Model& model, const State& begin, const RigidMotion& rigid, const Vec3& normal, Neighbour& neighbour) {
+  const Body& body = model.body;
+  const double time = std::min(begin.time - neighbour.off.time, model.longest_lasting());
   const RigidMotion apart = rigid_motion(body.mass, begin.x, neighbour.v);
   const Eigen::Matrix3d turn = rotation_by(time * rigid.spin), swing = rotation_by(time * apart.spin);
   for (int p = 0; p < body.points(); ++p) {
@@ -124,7 +125,7 @@ void set_beside(const StepContext& context, const State& begin, State& beside, d
   const Body& body = context.model.body;
   Neighbour& neighbour = context.run.course.neighbour;
   const RigidMotion rigid = rigid_motion(body.mass, begin.x, begin.v);
-  if (context.drive.pins.empty()) fly_on(body, begin, rigid, nearest_obstacle(context, begin).obstacle.normal, neighbour);
+  if (context.drive.pins.empty()) fly_on(context.model, begin, rigid, nearest_obstacle(context, begin).obstacle.normal, neighbour);
   const double least = (flown > 0 ? flown : use::least_error) * context.request.tolerance;
   if (neighbour.x.abs().maxCoeff() < least) shift_phase(body, begin, rigid, least, neighbour.x);
   beside.time = begin.time;
@@ -163,7 +164,7 @@ bool Landings::lands(const StepContext& context, double time, bool impact) {
 }
 
 void Landings::follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span,
-                      bool impact, double flown) {
+                      bool impact, double flown, bool anyway) {
   Path& path = context.run.path;
   Neighbour& neighbour = context.run.course.neighbour;
   if (neighbour.follows && neighbour.off.time != begin.time) neighbour.forget();  // other steps came between
@@ -171,7 +172,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
     if (!impact) return;
     std::vector<FreeState> end = begin.free;  // free obstacles are where they were
     end.swap(path.motion.free);
-    if (off_obstacles(context, begin.time, begin.x)) set_beside(context, begin, path_.motion, flown);
+    if (anyway || off_obstacles(context, begin.time, begin.x)) set_beside(context, begin, path_.motion, flown);
     end.swap(path.motion.free);
     if (!neighbour.follows) return;
   }

@@ -42,6 +42,9 @@ namespace use = thresholds;
 /// Speed that every body counts as having [m/s].
 constexpr double standstill = 1e-9;
 
+/// For how long a velocity of the whole body lasts at most: to the end of the run, or until drag has taken it.
+double lasting(const StepContext& context) { return std::min(left_of_run(context), context.model.longest_lasting()); }
+
 /// Acceleration that the outside forces give the whole body [m/s2].
 Vec3 whole_acceleration(const StepContext& context) {
   const double t = context.run.path.motion.time;
@@ -198,7 +201,7 @@ double approach_speed(const StepContext& context, const State& state, const Rigi
 Outlook outlook(const StepContext& context, const State& state) {
   const auto [plane, obstacle, gap] = nearest_obstacle(context, state);
   const Vec3 outside = whole_acceleration(context), pushed = acceleration_of(*plane, state) - outside;
-  const double left = left_of_run(context), towards = pushed.dot(obstacle.normal);
+  const double left = lasting(context), towards = pushed.dot(obstacle.normal);
   const double pressing = std::abs(towards) > use::least_pressing * outside.norm() ? towards : 0;  // both may fall
   Outlook ahead{obstacle.normal, left, left, left, pressing};
   if (context.drive.held()) return ahead;
@@ -265,24 +268,31 @@ double free_bodies_apart(const StepContext& context, const State& a, const State
   return most;
 }
 
-double outcome_of(const StepContext& context, const State& a, const State& b, const Outlook& ahead) {
+LeftOver left_over(const StepContext& context, const State& a, const State& b, const Outlook& ahead) {
   const Body& body = context.model.body;
   double error = free_bodies_apart(context, a, b, false);
   for (int i = 0; i < a.x.size(); ++i)
     if (context.model.memory[i] > 0) error = worse(error, std::abs(a.x.data()[i] - b.x.data()[i]));
   if (context.drive.held()) {
     for (int i = 0; i < a.v.size(); ++i) error = std::max(error, std::abs(a.v.data()[i] - b.v.data()[i]) * context.model.time_scale[i]);
-    return std::isnan(error) ? infinity : error;
+    if (std::isnan(error)) error = infinity;
+    return {.size = error, .lag = error};
   }
   const RigidMotion of_a = rigid_motion(body.mass, a.x, a.v), of_b = rigid_motion(body.mass, b.x, b.v);
   const double radius = radius_about(of_b.centre, b.x);
   const Vec3 velocity = of_a.velocity - of_b.velocity, spin = of_a.spin - of_b.spin;
-  const double across = std::abs(velocity.dot(ahead.normal)) + radius * tangential(ahead.normal, spin).norm();
-  const double along = tangential(ahead.normal, velocity).norm() + radius * std::abs(spin.dot(ahead.normal));
-  const double grown = ahead.along_plane * along + ahead.along_normal * across;
-  if (std::isnan(error) || std::isnan(grown)) return infinity;
-  const double now = std::max(error, grown);
-  return std::min(ahead.growth * now, now + ahead.sweep);
+  const Vec3 along = tangential(ahead.normal, velocity), over = tangential(ahead.normal, spin);
+  const double grown = ahead.along_plane * (along.norm() + radius * std::abs(spin.dot(ahead.normal))) +
+                       ahead.along_normal * (std::abs(velocity.dot(ahead.normal)) + radius * over.norm());
+  if (std::isnan(error) || std::isnan(grown)) return {infinity};
+  const double now = std::max(error, grown), size = std::min(ahead.growth * now, now + ahead.sweep), growth = now > 0 ? size / now : 1;
+  if (body.dashpots()) return {size};  // a coarser run lags behind by the same again and again, which does not add up
+  return {size, 0, growth * (ahead.along_plane * along + ahead.along_normal * (velocity - along)),
+          growth * radius * (ahead.along_plane * (spin - over) + ahead.along_normal * over)};
+}
+
+double outcome_of(const StepContext& context, const State& a, const State& b, const Outlook& ahead) {
+  return left_over(context, a, b, ahead).size;
 }
 
 }  // namespace softffd

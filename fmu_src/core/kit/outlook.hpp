@@ -55,7 +55,9 @@ double swing_time(const StepContext& context, const FreeMotion& body);
 /// Of free bodies, the part of what two states differ by now, and what their velocities make of it [m]: what touches the object, or always
 /// where `swing`, swings with it, and so does a part that is bonded to a body that other pins hold; what flies goes on.
 double free_bodies_apart(const StepContext& context, const State& a, const State& b, bool swing);
-/// What two states will differ by at the end of the run [m]; infinite where one is not finite.
+/// What two states will differ by at the end of the run, its size infinite where one is not finite.
+LeftOver left_over(const StepContext& context, const State& a, const State& b, const Outlook& ahead);
+/// Its size [m].
 double outcome_of(const StepContext& context, const State& a, const State& b, const Outlook& ahead);
 
 }  // namespace softffd

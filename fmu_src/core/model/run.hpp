@@ -4,6 +4,9 @@
 ///      Course   what stepping has learnt and spent so far: it stays when a stretch is tried again
 ///      EnergyAccount   whether the body has the energy it was given (watch/energy_watch.hpp)
 #pragma once
+#include <algorithm>
+
+#include "machine/elementary.hpp"
 #include "model/exchange.hpp"
 #include "model/state.hpp"
 
@@ -40,6 +43,26 @@ struct Calibration {
 };
 static_assert(visits_every_field<Calibration>);
 
+/// What two runs of a stretch differ by at the end of the run, or a sum of that [m]. Most stretches err now this way, now that way: sizes
+/// add as lengths of vectors at right angles do. What errs the same way again and again, as rolling does, is seen by its direction.
+struct LeftOver {
+  double size = 0;
+  double lag = 0;                                  ///< the same if pins hold the body: phases of its vibrations always fall behind
+  Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();  ///< else, of the body as a whole; turned, of its outermost point
+
+  double largest() const { return std::max({size, lag, shift.norm(), turn.norm()}); }
+  LeftOver times(double factor) const { return {factor * size, factor * lag, factor * shift, factor * turn}; }
+  void add(const LeftOver& of) { *this = {hypotenuse(size, of.size), lag + of.lag, shift + of.shift, turn + of.turn}; }
+  /// To what stretches like the last one leave: directions that change cancel.
+  void learn(const LeftOver& last) { *this = {last.size, last.lag, 0.5 * (shift + last.shift), 0.5 * (turn + last.turn)}; }
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.size, s.lag, s.shift, s.turn);
+  }
+};
+static_assert(visits_every_field<LeftOver>);
+
 /// Steps through contact, where every stretch is run twice unless experience says that the largest stable step is accurate enough.
 struct ContactSteps {
   double h = 0;         ///< of the coarser of the two runs [s]; 0: none yet
@@ -49,7 +72,7 @@ struct ContactSteps {
   Count impact_next = 1;
   Count seen = 0;                        ///< steps since a whole stretch was seen
   double largest = 0, largest_seen = 0;  ///< error relative to the square of the step [m/s2]: since then, and in the whole stretch before
-  double left_over = 0;                  ///< by a stretch at the step of the coarser run, at the end of the run [m]: of the last one
+  LeftOver left_over{};                  ///< by a stretch at the step of the coarser run
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
@@ -63,7 +86,8 @@ struct Drift {
   double place = 0, speed = 0;  ///< at this time [m, m/s]
   double time = 0;              ///< [s]
 
-  double at(double now) const { return place + speed * std::max(now - time, 0.0); }
+  /// lasting: how long a velocity lasts at most [s].
+  double at(double now, double lasting) const { return place + speed * std::clamp(now - time, 0.0, lasting); }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
@@ -108,31 +132,28 @@ constexpr Phase last(Phase) { return Phase::rest; }
 
 struct StiffContact {
   Phase phase = Phase::flight;
-  bool settling = false;     ///< the next step at rest is the first
-  Count looks = 0;           ///< at an impact, since the listening began
-  double impulse = 0;        ///< on the obstacles since then [N s]
-  double listened = 0;       ///< length of it [s]
-  double loudest = 0;        ///< largest kinetic energy of deformation since then [J]; with pins the size of the vibrations [m]
-  double pressing = 0;       ///< force on the obstacles, when last known [N]
-  double since = 0;          ///< begin of the impact [s]
-  Count doubts = 0;          ///< how often rest was left too early to pay
-  Count trust = 0;           ///< windows that may be run once
-  Count next_trust = 1;      ///< how many after the next success
-  double trusted_error = 0;  ///< of one, as of the last that was run twice [m]
+  bool settling = false;  ///< the next step at rest is the first
+  Count looks = 0;        ///< at an impact, since the listening began
+  double impulse = 0;     ///< on the obstacles since then [N s]
+  double listened = 0;    ///< length of it [s]
+  double loudest = 0;     ///< largest kinetic energy of deformation since then [J]; with pins the size of the vibrations [m]
+  double pressing = 0;    ///< force on the obstacles, when last known [N]
+  double since = 0;       ///< begin of the impact [s]
+  Count doubts = 0;       ///< how often rest was left too early to pay
+  Count trust = 0;        ///< windows that may be run once
+  Count next_trust = 1;   ///< how many after the next success
+  LeftOver trusted{};     ///< by one, as of the last that was run twice
   Count rest_trust = 0, next_rest_trust = 1;  ///< the same for steps at rest
   double step = 0;                            ///< at rest [s]; 0: none yet
-  double error = 0;                           ///< that steps have left, at the end of the run [m]
   double unknown = 0;                         ///< that the vibrations' unknown phases at impacts may have added [m]
 
-  /// What steps go by.
-  double total_error() const { return error + unknown; }
   /// Begins anew in this phase; what it has cost stays.
-  void begin(Phase next) { *this = {.phase = next, .doubts = next == Phase::flight ? 0 : doubts, .error = error, .unknown = unknown}; }
+  void begin(Phase next) { *this = {.phase = next, .doubts = next == Phase::flight ? 0 : doubts, .unknown = unknown}; }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.phase, s.settling, s.looks, s.impulse, s.listened, s.loudest, s.pressing, s.since, s.doubts, s.trust, s.next_trust,
-                  s.trusted_error, s.rest_trust, s.next_rest_trust, s.step, s.error, s.unknown);
+                  s.trusted, s.rest_trust, s.next_rest_trust, s.step, s.unknown);
   }
 };
 static_assert(visits_every_field<StiffContact>);
@@ -190,8 +211,7 @@ struct Course {
   double work = 0;   ///< done since the start, in evaluations of the spring forces
   double usual = 0;  ///< length of communication steps of late [s]
   Count rejected = 0;
-  Count factors = 0;         ///< matrices factored
-  double contact_error = 0;  ///< of explicit steps beside obstacles, at the end of the run [m]
+  Count factors = 0;  ///< matrices factored
   Neighbour neighbour{};
 
   Calibration& calibration(Method which) { return calibrations[std::size_t(which)]; }
@@ -209,7 +229,7 @@ struct Course {
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.bound_x, s.bound, s.damping_bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.method, s.reason,
-                  s.trials, s.work, s.usual, s.rejected, s.factors, s.contact_error, s.neighbour);
+                  s.trials, s.work, s.usual, s.rejected, s.factors, s.neighbour);
   }
 };
 static_assert(visits_every_field<Course>);
@@ -241,10 +261,15 @@ struct Path {
   Count steps = 0;    ///< internal steps since the start
   StiffContact stiff{};
   SurfaceRows surface{};
+  LeftOver error{};         ///< of steps beside obstacles
+  double damped_error = 0;  ///< of those of damped bodies that are implicit, which is forgotten again, at the end of the run [m]
+
+  /// What steps of stiff bodies go by.
+  double total_error() const { return error.largest() + stiff.unknown; }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.motion, s.clock, s.exchange, s.steps, s.stiff, s.surface);
+    return fields(s.motion, s.clock, s.exchange, s.steps, s.stiff, s.surface, s.error, s.damped_error);
   }
 };
 static_assert(visits_every_field<Path>);

@@ -91,7 +91,7 @@ struct DampedSteps::Call {
   double allowed(double h) const {
     const double rounding = use::rounding * std::max(context.model.body.length,
                                                      kernels::largest(context.run.path.motion.x.size(), context.run.path.motion.x.data()));
-    const double spent = context.run.path.stiff.error / context.request.tolerance;
+    const double spent = context.run.path.damped_error / context.request.tolerance;
     const double of_rest = use::damped_share * std::max(0.0, use::damped_sum - spent);
     return std::max(rounding, std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory)) * tolerance());
   }
@@ -157,7 +157,7 @@ double DampedSteps::memory(const StepContext& context) {
 
 /// What is left of the error after h.
 void DampedSteps::forget(const Call& call, double h) {
-  if (call.context.drive.held()) call.context.run.path.stiff.error *= std::max(0.0, 1 - h / call.memory);
+  if (call.context.drive.held()) call.context.run.path.damped_error *= std::max(0.0, 1 - h / call.memory);
 }
 
 /// again: the step before was as long.
@@ -221,7 +221,7 @@ StepStatus DampedSteps::step(const Call& call, double until) {
     if (coarse.status == StepStatus::ok && !coarse.turned && error <= allowed) {
       --record.trust;
       forget(call, h);
-      run.path.stiff.error += error;
+      run.path.damped_error += error;
       if (error > 0)
         record.h = std::max(h * std::clamp(use::window_safety * std::sqrt(allowed / error), use::next_shrink, use::rest_growth),
                             until == call.end ? record.h : h * use::next_shrink);
@@ -287,7 +287,7 @@ void DampedSteps::accept(const Call& call, double h, double allowed, double bend
   Run& run = call.context.run;
   DampedRecord& record = run.course.damped;
   forget(call, h);
-  run.path.stiff.error += judged.error;
+  run.path.damped_error += judged.error;
   record.constraints = judged.constraints;
   record.doubts = 0;
   record.force = judged.force;

@@ -26,6 +26,9 @@ constexpr double shortest_trust = 8, longest_trust = 128;
 /// Of the allowed error, what the coarser run may have for that, and before it is trusted at all [1]: a change of the step may make a
 /// vibration larger by a third, and one that lost the trust by that would never come to rest.
 constexpr double trusted = 0.5, trusted_at_first = 0.125;
+/// Of the tolerance, what a stretch with an impact leaves at the end of the run from which on it is followed whatever touched before:
+/// velocities at its end, in the midst of the impact, differ by more than what lasts [1].
+constexpr double noticed = 0.3;
 /// Bounds of the step's change after a stretch, the lower one in kit/thresholds.hpp, and before it is run again; growth where the error is
 /// zero [1].
 constexpr double next_growth = 1.5, rerun_shrink = 0.2, rerun_growth = 0.7, doubled_growth = 2;
@@ -35,13 +38,6 @@ constexpr double next_growth = 1.5, rerun_shrink = 0.2, rerun_growth = 0.7, doub
 namespace {
 
 namespace use = thresholds;
-
-/// What a stretch leaves at the end of the run [m], and goes there from now on.
-void book_error(const StepContext& context, double left_over) {
-  Course& course = context.run.course;
-  double& sum = course.contact_error;
-  sum = context.model.body.samples ? sum + left_over : hypotenuse(sum, left_over);  // rolling errs the same way again and again
-}
 
 /// Whether the next stretches may be run once, after one that was run twice at the largest stable step with this error.
 void learn_trust(ContactSteps& contact, bool impact, bool good, double allowed, double error) {
@@ -108,6 +104,11 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const Count total = divisions(left, h), steps = std::min(total, use::stretch_steps);
     const double part = left / double(total), next = steps == total ? stretch.end : begin + double(steps) * part;
     path.clock = {begin, part, 0};
+    const auto follow = [&](bool impact, const LeftOver& left, bool anyway) {
+      const bool followed = course.neighbour.follows;
+      landings_.follow(integrators, context, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact, 0, anyway);
+      if (!followed && !course.neighbour.follows) path.error.add(left);
+    };
     if (at_limit && tries == 0 && contact.free > 0) {
       const Outcome once = run(part, steps);
       if (once.status != StepStatus::ok) return once.status;
@@ -116,8 +117,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
         --(impact ? contact.impact : contact.free);
         taken += steps;
         path.motion.time = next;
-        book_error(context, contact.left_over);
-        landings_.follow(integrators, context, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact);
+        follow(impact, contact.left_over, false);
         snapshot.commit();
         return StepStatus::ok;
       }
@@ -134,9 +134,8 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const bool last = part <= least || tries == use::most_reruns;
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * allowed || last) {
-      const double left_over = outcome_of(context, coarse_, path.motion, outlook(context, path.motion)) / 3;
-      if (!course.neighbour.follows) book_error(context, left_over);
-      contact.left_over = 4 * left_over;
+      const LeftOver left = left_over(context, coarse_, path.motion, outlook(context, path.motion)).times(1.0 / 3);
+      contact.left_over.learn(left.times(4));
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;
       const double trusted = contact.free_next > 1 ? use::trusted : use::trusted_at_first;
@@ -147,7 +146,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
       path.clock = {begin, 0.5 * part, 0};
       taken += 2 * steps;
       path.motion.time = next;
-      landings_.follow(integrators, context, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact);
+      follow(impact, left, left.size > use::noticed * context.request.tolerance);
       snapshot.commit();
       return StepStatus::ok;
     }

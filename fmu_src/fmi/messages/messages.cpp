@@ -12,7 +12,7 @@ namespace {
 constexpr double quiet_fraction = 0.3;
 /// Error in tolerances from which on it is worth a warning, and its growth from which on it is again: the stated error is an upper estimate
 /// more often than not, but in random scenes it has been a quarter of the true one, of which ten tolerances are promised.
-constexpr double doubtful = 2.5, more_doubtful = 3;
+constexpr double doubtful = 2.5, more_doubtful = 2;
 /// Angle of an implicit contact step from which on what it takes from a rotation is worth a warning [rad].
 constexpr double damped_turn = 0.05;
 /// Fraction of the largest force by which friction may leave Coulomb's cone without a warning.

@@ -52,7 +52,7 @@ TEST(what_a_stretch_errs_by_is_counted) {
   exact.integrators.take(exact.context(), Method::leapfrog, {0, 0, h / 256, 256 * steps});
   const double error = (b.run.path.motion.x - exact.run.path.motion.x).abs().maxCoeff();
   CHECK(b.run.path.steps == 2 * steps);
-  CHECK(error > 0 && std::abs(b.run.course.contact_error / error - 1) < 0.3);
+  CHECK(error > 0 && std::abs(b.run.path.error.largest() / error - 1) < 0.3);
 }
 
 TEST(a_stretch_that_is_run_once_counts_as_the_coarser_run_before) {
@@ -61,12 +61,12 @@ TEST(a_stretch_that_is_run_once_counts_as_the_coarser_run_before) {
   b.request.tolerance = 1;
   StepDoubling doubled(b.run);
   CHECK(doubled.run(b.integrators, b.context(), double(steps) * limit) == StepStatus::ok);
-  const double once = b.run.course.contact_error;
+  const double once = b.run.path.error.size;
   const Count taken = b.run.path.steps;
   CHECK(once > 0 && b.run.course.contact.free > 0);
   CHECK(doubled.run(b.integrators, b.context(), double(2 * steps) * limit) == StepStatus::ok);
   CHECK(b.run.path.steps - taken == steps);
-  CHECK_NEAR(b.run.course.contact_error, std::sqrt(17) * once, 1e-12);
+  CHECK_NEAR(b.run.path.error.size, std::sqrt(17) * once, 1e-12);
 }
 
 TEST(a_stretch_without_a_finite_result_is_none) {
