@@ -160,12 +160,22 @@ double ModalFlight::neglected_rate() const {
   return anharmonic * squared * std::sqrt(2 * energy() / modes_.mass) / (cell_ * cell_);
 }
 
-double ModalFlight::neglected_way(const Equations& equations) {
+/// Speed that drag, - d u in sum, gives a point of the rigid body while these amplitudes come about: none where drag goes with mass.
+double ModalFlight::pulled_on(const Body& body, const Eigen::VectorXd& amplitudes) {
+  displacement_.noalias() = modes_.shape * amplitudes;
+  v_ = Eigen::Map<const Points>(displacement_.data(), body.points(), 3).colwise() * body.damping;
+  Vec3 turning = Vec3::Zero();
+  for (int p = 0; p < body.points(); ++p) turning += row(modes_.arms, p).cross(row(v_, p));
+  return v_.colwise().sum().matrix().norm() / modes_.mass + modes_.radius * (modes_.inertia.inverse() * turning).norm();
+}
+
+double ModalFlight::neglected_way(const Equations& equations, double until) {
   if (!modes_.damped_unevenly) return 0;
   load(equations, t_, held_);
   const auto from_held = (q_ - held_).array();
-  const auto swing = q_rate_.array() / modes_.frequency;
-  return std::sqrt((modes_.uneven * from_held).square().sum() + (modes_.uneven * swing).square().sum());
+  amplitude_ = q_rate_.array() / modes_.frequency;
+  const double way = std::sqrt((modes_.uneven * from_held).square().sum() + (modes_.uneven * amplitude_.array()).square().sum());
+  return way + until * (pulled_on(equations.body, q_) + pulled_on(equations.body, amplitude_));
 }
 
 /// Mean angular momentum of the vibrations, body axes: what modes of nearly the same frequency have together.

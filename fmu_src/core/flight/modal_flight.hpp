@@ -34,8 +34,9 @@ class ModalFlight {
   double energy_after(double time) const;
   /// Rate at which the vibrations' change of frequency with their amplitude, which is left out, moves points [m/s].
   double neglected_rate() const;
-  /// How far unequal damping may move a point by what it makes of one mode in others, which is left out [m].
-  double neglected_way(const Equations& equations);
+  /// How far unequal damping may move a point by what it makes of one mode in others, and, until an error is forgotten or the run ends [s],
+  /// by what it takes of the rigid motion for displacements, which is left out [m].
+  double neglected_way(const Equations& equations, double until);
   /// Time in which the slowest damping forgets [s].
   double memory() const;
   /// Share of an amplitude that the slowest damping leaves.
@@ -59,6 +60,7 @@ class ModalFlight {
   void vibrate(double time);
   void turn_group(int first, int count, double time, const Vec3& spin);
   Vec3 inner_momentum(double spin) const;
+  double pulled_on(const Body& body, const Eigen::VectorXd& amplitudes);
   /// How an obstacle stands to the body: the least gap [m], bounds of the speed and the acceleration at which it closes [m/s, m/s2].
   struct Nearing {
     double gap, speed, acceleration;

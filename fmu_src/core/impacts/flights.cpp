@@ -41,7 +41,7 @@ bool Flights::rings_about_rest(const StepContext& context) {
   const double left = left_of_run(context), drift = std::min(left, flight_.memory()) * flight_.neglected_rate();
   const double slight = use::window_share * context.request.tolerance / (use::rebound_share * left);  // speed that no rebound need have
   const double missed = std::max(context.model.noise, 0.5 * flight_.modes().mass * slight * slight);
-  const double left_out = std::max(drift, flight_.neglected_way(context.equations()));
+  const double left_out = std::max(drift, flight_.neglected_way(context.equations(), std::min(left, context.model.longest_lasting())));
   return left_out <= use::window_share * context.request.tolerance &&
          flight_.energy_missed() <= use::modal_mismatch * flight_.energy() + missed;
 }
@@ -74,7 +74,8 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
     path.clock = {begun, free, 0};
     ++path.steps;
     if (context.drive.watch) book_energies(context, before_.motion, before_.motion.x, before_.exchange);
-    if (!off_obstacles(context, touching)) {  // what is left out of the modes has brought a point behind an obstacle
+    // What is left out of the modes may have brought a point behind an obstacle, and uneven drag has deformed the body since.
+    if (!off_obstacles(context, touching) || (flight_.modes().damped_unevenly && !rings_about_rest(context))) {
       path = before_;
       touches = true;
     } else {
