@@ -256,6 +256,8 @@ StepStatus SoftBody::initialize(double t0) {
   now_.path.clock = {.origin = t0};
   now_.path.steps = 0;
   now_.path.stiff = {};
+  now_.path.error = {};
+  now_.path.damped_error = 0;
   now_.path.surface.forget();
   now_.path.exchange.clear();
   now_.exchange_time = 1;

@@ -42,8 +42,12 @@ namespace use = thresholds;
 /// Speed that every body counts as having [m/s].
 constexpr double standstill = 1e-9;
 
-/// For how long a velocity of the whole body lasts at most: to the end of the run, or until drag has taken it.
-double lasting(const StepContext& context) { return std::min(left_of_run(context), context.model.longest_lasting()); }
+/// For how long a velocity of the whole body lasts at most: to the end of the run, or until drag has taken it. Free bodies, which may take
+/// it over, are not dragged.
+double lasting(const StepContext& context) {
+  const double left = left_of_run(context);
+  return context.drive.free.empty() ? std::min(left, context.model.longest_lasting()) : left;
+}
 
 /// Acceleration that the outside forces give the whole body [m/s2].
 Vec3 whole_acceleration(const StepContext& context) {

@@ -90,7 +90,7 @@ TEST(what_unequal_damping_makes_of_one_mode_in_others_is_bounded_and_a_flight_en
     CHECK(flight.possible(r.model.body));
     State state = r.run.path.motion;
     flight.enter(r.equations(), 0, state);
-    const double bound = flight.neglected_way(r.equations()), flown = flight.until_touch(r.equations(), time, 0, false);
+    const double bound = flight.neglected_way(r.equations(), time), flown = flight.until_touch(r.equations(), time, 0, false);
     flight.leave(r.equations(), state);
     const double missed = distance(state.x, damped().stepped(flown, 1e-6).x);
     CHECK(missed < bound + 2e-6);
