@@ -104,10 +104,10 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const Count total = divisions(left, h), steps = std::min(total, use::stretch_steps);
     const double part = left / double(total), next = steps == total ? stretch.end : begin + double(steps) * part;
     path.clock = {begin, part, 0};
-    const auto follow = [&](bool impact, const LeftOver& left, bool anyway) {
+    const auto follow = [&](bool impact, const LeftOver& leaves, bool anyway) {
       const bool followed = course.neighbour.follows;
       landings_.follow(integrators, context, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact, 0, anyway);
-      if (!followed && !course.neighbour.follows) path.error.add(left);
+      if (!followed && !course.neighbour.follows) path.error.add(leaves);
     };
     if (at_limit && tries == 0 && contact.free > 0) {
       const Outcome once = run(part, steps);
@@ -134,8 +134,8 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const bool last = part <= least || tries == use::most_reruns;
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * allowed || last) {
-      const LeftOver left = left_over(context, coarse_, path.motion, outlook(context, path.motion)).times(1.0 / 3);
-      contact.left_over.learn(left.times(4));
+      const LeftOver leaves = left_over(context, coarse_, path.motion, outlook(context, path.motion)).times(1.0 / 3);
+      contact.left_over.learn(leaves.times(4));
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;
       const double trusted = contact.free_next > 1 ? use::trusted : use::trusted_at_first;
@@ -146,7 +146,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
       path.clock = {begin, 0.5 * part, 0};
       taken += 2 * steps;
       path.motion.time = next;
-      follow(impact, left, left.size > use::noticed * context.request.tolerance);
+      follow(impact, leaves, leaves.size > use::noticed * context.request.tolerance);
       snapshot.commit();
       return StepStatus::ok;
     }

@@ -54,3 +54,10 @@ TEST(the_neighbour_goes_on_from_a_stored_state) {
   }
   CHECK(stated[0] > 0 && stated[0] == stated[1]);
 }
+
+TEST(a_new_start_states_nothing) {
+  SoftBody body = after(thrown({1.02, 1, 1}), 1e-3, 0, 20);
+  CHECK(body.readings().stated_error() > 0);
+  CHECK(body.initialize(0) == StepStatus::ok);
+  CHECK(body.readings().stated_error() == 0);
+}
