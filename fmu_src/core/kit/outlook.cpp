@@ -288,7 +288,7 @@ LeftOver left_over(const StepContext& context, const State& a, const State& b, c
   const Vec3 along = tangential(ahead.normal, velocity), over = tangential(ahead.normal, spin);
   const double grown = ahead.along_plane * (along.norm() + radius * std::abs(spin.dot(ahead.normal))) +
                        ahead.along_normal * (std::abs(velocity.dot(ahead.normal)) + radius * over.norm());
-  if (std::isnan(error) || std::isnan(grown)) return {infinity};
+  if (!(error < infinity && grown < infinity)) return {infinity};
   const double now = std::max(error, grown), size = std::min(ahead.growth * now, now + ahead.sweep), growth = now > 0 ? size / now : 1;
   if (body.dashpots()) return {size};  // a coarser run lags behind by the same again and again, which does not add up
   return {size, 0, growth * (ahead.along_plane * along + ahead.along_normal * (velocity - along)),
