@@ -8,8 +8,9 @@
 /// Coriolis' force couples. The rigid motion is that of the rest shape with the vibration's mean angular momentum inside. Going in and out
 /// of the frame keeps momentum and angular momentum to rounding.
 ///
-/// Left out: how frequencies change with amplitude (`neglected_rate`), what unequal damping makes of one mode in others (`neglected_way`),
-/// and how loads turn within a vibration, slight where `energy_missed` is.
+/// Left out: how frequencies change with amplitude (`neglected_rate`), what unequal damping makes of one mode in others and of the rigid
+/// motion
+/// (`neglected_way`), and how loads turn within a vibration, slight where `energy_missed` is.
 #pragma once
 #include "flight/modes.hpp"
 #include "flight/rigid_body.hpp"

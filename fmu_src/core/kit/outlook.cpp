@@ -295,8 +295,4 @@ LeftOver left_over(const StepContext& context, const State& a, const State& b, c
           growth * radius * (ahead.along_plane * (spin - over) + ahead.along_normal * over)};
 }
 
-double outcome_of(const StepContext& context, const State& a, const State& b, const Outlook& ahead) {
-  return left_over(context, a, b, ahead).size;
-}
-
 }  // namespace softffd

@@ -57,7 +57,5 @@ double swing_time(const StepContext& context, const FreeMotion& body);
 double free_bodies_apart(const StepContext& context, const State& a, const State& b, bool swing);
 /// What two states will differ by at the end of the run, its size infinite where one is not finite.
 LeftOver left_over(const StepContext& context, const State& a, const State& b, const Outlook& ahead);
-/// Its size [m].
-double outcome_of(const StepContext& context, const State& a, const State& b, const Outlook& ahead);
 
 }  // namespace softffd

@@ -268,7 +268,7 @@ DampedSteps::Judged DampedSteps::run_halves(const Call& call, double until, doub
   const double order = judged.steady ? 1.0 / 3 : 1;
   const Forces forces = compare_forces(call);
   judged.force = forces.largest;
-  judged.error = order * outcome_of(context, coarse_.motion, path.motion, ahead(context)) + first.rigid + second.rigid;
+  judged.error = order * left_over(context, coarse_.motion, path.motion, ahead(context)).size + first.rigid + second.rigid;
   judged.ratio = std::max(judged.error / allowed, order * forces.difference);
   judged.over = passed_over(call, h, first.lost + second.lost);
   judged.steady = judged.steady && judged.over <= judged.ratio * allowed;
