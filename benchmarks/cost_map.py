@@ -5,8 +5,8 @@
     python benchmarks/cost_map.py --tau 1e-4 --page docs/measurements.md  # and in place of the table in this page
 
 A cube of 0.1 m and 0.5 kg runs for 0.05 s in communication steps of 10 ms. A cell tells how many times faster than real time it is, in
-processor time, its internal steps, and "!" where a warning is given; bold are cells slower than real time. Steps are the same on every
-machine, times are not: below the table stands what a bare explicit step costs in the same run.
+processor time, its internal steps, and "!" where a warning is given; bold are cells slower than real time or refused. Steps are the same on
+every machine, times are not: below the table stands what a bare explicit step costs in the same run.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from typing import Any
 from boxes import STEP, box
 from rows_steps import steps_of
 
-from softffd import Simulation
+from softffd import FmuError, Simulation
 from softffd.scene.scene import Scene, scene_from
 
 SIDE, MASS = 0.1, 0.5
@@ -55,18 +55,21 @@ class Kind:
 
 @dataclass(frozen=True)
 class Cell:
-    """What a scene has cost; `finished` is false where it was given up."""
+    """What a scene has cost; `finished` is false where it was given up or a step of it refused."""
 
     seconds: float
     steps: int
     warned: bool
     finished: bool
+    refused: bool = False
 
     @property
     def times_real_time(self) -> float:
         return STOP / self.seconds if self.finished else 0.0
 
     def __str__(self) -> str:
+        if self.refused:
+            return "**refused**"
         if not self.finished:
             return f"**> {LIMIT:g} s**"
         words = f"{self.times_real_time:.2g} ({self.steps:,}{'!' * self.warned})"
@@ -145,10 +148,15 @@ def measured(kind: Kind, stiffness: float, tau: float) -> Cell:
         warnings.simplefilter("ignore")
         began, seconds = time.process_time(), 0.0
         left = round(STOP / COMMUNICATION_STEP)
-        while left and seconds < LIMIT:
-            simulation.step(COMMUNICATION_STEP)
-            seconds, left = time.process_time() - began, left - 1
-        return Cell(seconds, int(simulation["solver.steps"]), bool(simulation.warnings), not left)
+        refused = False
+        while left and seconds < LIMIT and not refused:
+            try:
+                simulation.step(COMMUNICATION_STEP)
+                left -= 1
+            except FmuError:
+                refused = True
+            seconds = time.process_time() - began
+        return Cell(seconds, int(simulation["solver.steps"]), bool(simulation.warnings), not left, refused)
 
 
 def scene_of(kind: Kind, stiffness: float, tau: float) -> Scene:
