@@ -208,7 +208,8 @@ def beside_neighbours(found: dict[str, list[Cell]], columns: list[tuple[float, f
     stiffnesses, dampings = (sorted(set(values)) for values in zip(*columns, strict=True))
     place = {column: (stiffnesses.index(column[0]), dampings.index(column[1])) for column in columns}
     for name, cells in found.items():
-        for (one, cell), (other, beside) in product(zip(columns, cells, strict=True), repeat=2):
+        run = [(column, cell) for column, cell in zip(columns, cells, strict=True) if not cell.refused]
+        for (one, cell), (other, beside) in product(run, repeat=2):
             ratio = cell.seconds / beside.seconds
             if math.dist(place[one], place[other]) == 1 and ratio > TIMES_ITS_NEIGHBOUR:
                 yield f"{name}: {column_words(one)} takes {ratio:.0f} times as long as {column_words(other)}"

@@ -46,6 +46,16 @@ def test_a_cell_tells_speed_steps_and_warnings_and_slow_ones_are_bold(cost_map):
     assert str(cost_map.Cell(0.01, 1200, warned=True, finished=True)) == "5 (1,200!)"
     assert str(cost_map.Cell(0.1, 7, warned=False, finished=True)) == "**0.5 (7)**"
     assert str(cost_map.Cell(26.0, 7, warned=False, finished=False)) == "**> 25 s**"
+    assert str(cost_map.Cell(3.0, 7, warned=False, finished=False, refused=True)) == "**refused**"
+
+
+def test_a_refused_step_ends_a_cell_and_not_the_map(cost_map, monkeypatch):
+    def refuse(_simulation, _length):
+        raise cost_map.FmuError("too much work")
+
+    monkeypatch.setattr(cost_map.Simulation, "step", refuse)
+    cell = cost_map.measured(cost_map.KINDS["pinned face"], 1e3, 0.0)
+    assert cell.refused and not cell.finished and cell.times_real_time == 0
 
 
 def test_a_cell_that_takes_more_than_ten_times_its_neighbour_is_named(cost_map):
