@@ -290,6 +290,18 @@ def test_a_state_continues_with_the_same_bits(part, tmp_path):
     require_same_continuation(PARTS[part](tmp_path, communication_step=0.002))
 
 
+@pytest.mark.parametrize("calls", [10, 20, 30, 40])
+def test_a_state_goes_on_with_the_same_bits_where_explicit_steps_take_turns(calls, tmp_path):
+    """By what they cost, which does not depend on what an instance has found before."""
+    scene = PARTS["surface"](tmp_path, communication_step=0.002)
+    with Stepper(scene) as first, Stepper(scene) as second:
+        first.step(0.002, times=calls)
+        second.restore(bytes(first.save()))
+        for each in (first, second):
+            each.step(0.002, times=30)
+        assert bytes(first.save()) == bytes(second.save())
+
+
 @pytest.mark.short("pinned on a belt", "surface")
 @PART
 def test_both_standards_run_it_with_the_same_bits(part, tmp_path):

@@ -39,6 +39,7 @@ SurfaceTouches::SurfaceTouches(const Samples& samples, double length, int planes
 
 void SurfaceTouches::open(const Step& step) {
   step_ = &step;
+  search_.forget();
   const std::vector<Plane>& obstacles = step.equations.around.planes;
   flat_ = int(std::ranges::count_if(obstacles, [](const Plane& each) { return !each.solid(); }));
   planes_.resize(flat_);

@@ -7,8 +7,11 @@
 ///      a search fits h_i by an affine function a + b . X_i and a rest r_i; a + b . X_s + min r is a lower bound of the height of s, nearly
 ///      the height itself of a body that only turns and shears: few gaps are weighed.
 ///
-/// What is in a list beyond that changes no result, so it does not matter when a search was made.
+/// What is in a list beyond that changes no result, but what the list takes, which counts as work and by that decides between methods: a
+/// stretch of steps begins without lists, so that a stored state goes on with the same bits.
 #pragma once
+#include <algorithm>
+
 #include "body/samples.hpp"
 
 namespace softffd {
@@ -17,6 +20,8 @@ class SampleSearch {
  public:
   SampleSearch(const Samples& samples, int planes, double length);
 
+  /// No list is known.
+  void forget() { std::fill(planes_.begin(), planes_.end(), Known{}); }
   /// Does the list of plane q hold every sample that is behind it, or touches it, at these gaps of the control points (points)?
   bool covers(int q, const Scalars& of_points);
   /// Makes the list anew. way: how far a point may come nearer in a step [m].
