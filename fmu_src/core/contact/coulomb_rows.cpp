@@ -11,8 +11,8 @@ namespace softffd {
 
 namespace {
 
-/// Newton's steps at a time; then so many sweeps, doubled each round.
-constexpr int most_newton = 15, first_sweeps = 4, most_rounds = 8;
+/// Newton's steps at a time, which may go astray for twenty before they close in; then so many sweeps, doubled each round.
+constexpr int most_newton = 50, first_sweeps = 4, most_rounds = 8;
 /// Share of a row's own compliance that keeps equations of rows that depend on each other solvable.
 constexpr double regular = 1e-11;
 
@@ -63,8 +63,10 @@ double CoulombRows<Block>::solve(const Problem& problem, Operations& operations,
     for (int i = 0; i < most_newton && best > problem.exact && newton_step(problem, operations, force); ++i) keep();
     if (best <= problem.exact) break;
     force = best_;
-    operations.spend(row_work * sweeps * n * n);
-    for (int i = 0; i < sweeps; ++i) sweep(problem, force);
+    for (int i = 0; i < sweeps && !operations.spent(); ++i) {
+      operations.spend(row_work * n * n);
+      sweep(problem, force);
+    }
     keep();
   }
   force = best_;

@@ -17,6 +17,8 @@ class Operations {
   static constexpr double of_value = 100, of_place = 300;
 
   void allow(double most) { done_ = 0, most_ = most; }
+  /// What has been done stays.
+  void limit(double most) { most_ = most; }
   void spend(double operations) { done_ += operations; }
   double done() const { return done_; }
   bool spent() const { return !(done_ <= most_); }

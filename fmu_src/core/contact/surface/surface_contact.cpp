@@ -80,6 +80,7 @@ void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive
     close_.set_masses(inverse(kicks.closing_mass()));
   }
   know(around, t0);
+  search_.forget();
   holds_ = false;
 }
 
@@ -194,6 +195,7 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   set_free(step.around, free_start_, step.x0);
   if (!free.empty() && !step.around.pins.empty()) passed_.setZero(step.x0.rows(), 3);
   if (near_) {
+    share_work(drift_);
     places_known_ = drift_.free() ? hold_free_drift(step, x1, rows) : hold_drift(step, v, x1, rows);
     StepStatus status = places_known_ ? StepStatus::ok : position_stage(step, v, x1, rows);
     for (int turns = 0; turns < most_lifts && status == StepStatus::ok && lift_tangents(step, x1, free); ++turns) {
@@ -240,6 +242,12 @@ void SurfaceContact::allow(double most) {
   most_ = most;
   found_ = 0;
   for (SurfaceStage* stage : {&drift_, &close_}) stage->operations().allow(most * in_evaluation_);
+}
+
+/// A stage begins, with what the other one has left of what both may do.
+void SurfaceContact::share_work(SurfaceStage& stage) {
+  const SurfaceStage& other = &stage == &drift_ ? close_ : drift_;
+  stage.operations().limit(most_ * in_evaluation_ - found_ - other.operations().done());
 }
 
 double SurfaceContact::work() const { return (found_ + drift_.operations().done() + close_.operations().done()) / in_evaluation_; }
@@ -336,6 +344,7 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
 
 StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, std::vector<FreeState>& free, Exchange& exchange) {
   if (touching_.empty()) return StepStatus::ok;
+  share_work(close_);
   const std::vector<FreeState> before = free;
   set_free(step.around, before, step.x0);
   if (holds_) lasting_ = touching_;

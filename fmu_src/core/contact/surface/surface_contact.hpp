@@ -108,6 +108,7 @@ class SurfaceContact {
   StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
   StepStatus stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows);
   StepStatus find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v, const SurfaceRows& rows);
+  void share_work(SurfaceStage& stage);
   StepStatus position_stage(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   StepStatus meet_near(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
