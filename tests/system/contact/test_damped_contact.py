@@ -290,7 +290,7 @@ def test_a_state_continues_with_the_same_bits(part, tmp_path):
     require_same_continuation(PARTS[part](tmp_path, communication_step=0.002))
 
 
-@pytest.mark.parametrize("calls", [10, 20, 40])
+@pytest.mark.parametrize("calls", [10, 20, 30, 40])
 def test_a_state_goes_on_with_the_same_bits_where_explicit_steps_take_turns(calls, tmp_path):
     """By what they cost, which does not depend on what an instance has found before."""
     scene = PARTS["surface"](tmp_path, communication_step=0.002)

@@ -40,7 +40,7 @@ void Delassus::set_normals(const std::vector<Vec3>& normals) {
   if (normals == normals_) return;
   normals_ = normals;
   before_.sorted = false;
-  if (free_) set_rows({});  // handles are of the places before
+  if (free_ || !counted_) forget();  // handles are of the places before
   cosines_.clear();
   const int n = int(normals.size());
   std::vector<double> table;
@@ -52,18 +52,34 @@ void Delassus::set_normals(const std::vector<Vec3>& normals) {
 
 void Delassus::set_masses(const Scalars& inverse) {
   inverse_ = inverse;
+  forget();
+}
+
+void Delassus::forget() {
+  for (auto* rows : {&rows_, &before_.rows}) rows->clear();
+  for (auto* numbers : {&over_mass_, &g_, &before_.over_mass, &before_.g}) numbers->clear();
+  handles_.clear();
   of_masses_.clear();
-  const std::vector<SurfaceRow> rows = free_ ? std::vector<SurfaceRow>() : rows_;  // handles are of the places before
-  before_.sorted = sorted_ = false;
-  set_rows(rows);
+  range_ = {int(inverse_.size()), 0};
+  sorted_ = true;
+  before_.sorted = false;
+  factor(0);
+}
+
+void Delassus::begin() {
+  counted_ = false;
+  of_masses_.clear();
 }
 
 /// Rows from before count as if they were made: what contact may take is not to depend on them.
 void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
   const auto at_hand = [&] { return sorted_ && rows == rows_ && !free_; };
-  if (at_hand()) return;
-  exchange();
-  if (at_hand()) return operations_.spend(work_of_rows() + work_of_factor(0));
+  if (at_hand() && counted_) return;
+  if (!at_hand()) exchange();
+  if (at_hand()) {
+    counted_ = true;
+    return operations_.spend(work_of_rows() + work_of_factor(0));
+  }
   list_rows(rows);
   factor(0);
 }
@@ -84,11 +100,12 @@ void Delassus::exchange() {
 
 /// Of the same samples G is as it was.
 void Delassus::list_rows(const std::vector<SurfaceRow>& rows) {
-  const bool same = free_ && sorted_ && !rows.empty() && std::ranges::equal(rows, rows_, {}, &SurfaceRow::sample, &SurfaceRow::sample);
+  const bool same =
+      free_ && sorted_ && counted_ && !rows.empty() && std::ranges::equal(rows, rows_, {}, &SurfaceRow::sample, &SurfaceRow::sample);
   rows_ = rows;
   handles_.clear();
   for (std::size_t s = 0; s < rows.size() && free_; ++s) handles_.push_back(free_->handles(rows[s]));
-  sorted_ = true;
+  sorted_ = counted_ = true;
   if (same) return;
   const int n = size(), width = samples_->support();
   operations_.spend(work_of_rows());

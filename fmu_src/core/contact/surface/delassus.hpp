@@ -36,7 +36,11 @@ class Delassus {
   void set_free(FreeRows* free) { free_ = free; }
   FreeRows* free() const { return free_; }
 
-  /// Inverse masses (points) that all rows are to have from now on; existing rows are made anew.
+  /// A stretch of steps: what rows at hand from before it spare counts as work, so that a stored state goes on as its instance does.
+  void begin();
+  /// No row is at hand, nor one that was.
+  void forget();
+  /// Inverse masses (points) that all rows are to have from now on; those at hand are forgotten.
   void set_masses(const Scalars& inverse);
   /// The planes' unit normals; existing rows are factored anew if one has changed.
   void set_normals(const std::vector<Vec3>& normals);
@@ -124,7 +128,7 @@ class Delassus {
   std::vector<Vec3> pushes_;  ///< of rows of several planes
   Points move_;               ///< by them
   mutable Operations operations_;
-  bool sorted_ = true;
+  bool sorted_ = true, counted_ = false;  ///< have the rows at hand counted since `begin`?
   struct {
     std::vector<SurfaceRow> rows;
     std::vector<double> over_mass, g;

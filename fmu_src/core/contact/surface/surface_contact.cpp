@@ -72,6 +72,9 @@ void SurfaceContact::set_planes() {
 }
 
 void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h) {
+  drift_.begin();
+  close_.begin();
+  search_.forget();
   if (h != h_ || body.version != version_) {
     h_ = h;
     version_ = body.version;
@@ -80,7 +83,6 @@ void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive
     close_.set_masses(inverse(kicks.closing_mass()));
   }
   know(around, t0);
-  search_.forget();
   holds_ = false;
 }
 

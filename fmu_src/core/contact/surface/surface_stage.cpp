@@ -20,7 +20,7 @@ constexpr double slid = 1 - 1e-9, slides_on = 2;
 }  // namespace
 
 void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction, const std::vector<int>& samples) {
-  if (normals.size() != normals_.size()) set_.delassus().set_rows({});  // their planes may not be there
+  if (normals.size() != normals_.size()) set_.delassus().forget();  // their planes may not be there
   gaps.resize(normals.size());
   const int points = set_.delassus().samples().lattice().points();
   for (std::size_t q = 0; q < normals.size(); ++q) {
