@@ -3,6 +3,7 @@
 #include "kit/outlook.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "body/rigid_motion.hpp"
 #include "kit/thresholds.hpp"
@@ -89,13 +90,17 @@ double turning_limit(const StepContext& context, const Points& x, const Points& 
                  tighter(std::sqrt(thresholds::straight_turn / (bound(context) * fastest)), thresholds::straight_angle / fastest));
 }
 
-double growing(const StepContext& context, const State& a, const State& b, double stretch) {
+double growing(const StepContext& context, const State& a, const State& b, double stretch, bool random) {
   const Scalars &time_scale = context.model.time_scale, &memory = context.model.memory;
-  double error = free_bodies_apart(context, a, b, true) * std::max(1.0, context.request.horizon / stretch);
+  const auto times = [&](double lasts) {
+    const double stretches = std::max(1.0, std::min(context.request.horizon, lasts) / stretch);
+    return random ? std::sqrt(stretches) : stretches;
+  };
+  double error = free_bodies_apart(context, a, b, true) * times(infinity);
   for (int i = 0; i < memory.size(); ++i) {
     const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]) * time_scale[i];
     if (!(dx < infinity && dv < infinity)) return infinity;
-    error = std::max(error, std::max(dx, dv) * std::max(1.0, std::min(context.request.horizon, memory[i]) / stretch));
+    error = std::max(error, std::max(dx, dv) * times(memory[i]));
   }
   return error;
 }

@@ -18,7 +18,7 @@ double step_limit(const StepContext& context, Method method, bool given);
 /// pins turn, the forces on them do.
 double turning_limit(const StepContext& context, const Points& x, const Points& v);
 /// What states a and b, after the same stretch of time [s] from one state, will differ by at the end of the run, if the difference keeps
-/// growing until damping forgets it [m]; infinite where one is not finite.
-double growing(const StepContext& context, const State& a, const State& b, double stretch);
+/// growing until damping forgets it [m]; infinite where one is not finite. random: differences of stretches do not point the same way.
+double growing(const StepContext& context, const State& a, const State& b, double stretch, bool random = false);
 
 }  // namespace softffd

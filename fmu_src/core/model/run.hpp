@@ -63,6 +63,32 @@ struct LeftOver {
 };
 static_assert(visits_every_field<LeftOver>);
 
+/// A stretch that was run twice.
+struct TriedStretch {
+  double h = 0;         ///< step of the coarser run [s]; 0: none
+  double error = 0;     ///< at the end of the run, forecast [m]
+  bool impact = false;  ///< something came onto an obstacle in it
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.h, s.error, s.impact);
+  }
+};
+static_assert(visits_every_field<TriedStretch>);
+
+/// Error that shorter steps do not make smaller.
+struct ErrorFloor {
+  double error = 0;  ///< at the end of the run, forecast [m]
+  Count left = 0;    ///< stretches that may have it before shorter steps are tried again
+  Count next = 1;    ///< how many after the next time that they are tried in vain
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.error, s.left, s.next);
+  }
+};
+static_assert(visits_every_field<ErrorFloor>);
+
 /// Steps through contact, where every stretch is run twice unless experience says that the largest stable step is accurate enough.
 struct ContactSteps {
   double h = 0;         ///< of the coarser of the two runs [s]; 0: none yet
@@ -73,10 +99,12 @@ struct ContactSteps {
   Count seen = 0;                        ///< steps since a whole stretch was seen
   double largest = 0, largest_seen = 0;  ///< error relative to the square of the step [m/s2]: since then, and in the whole stretch before
   LeftOver left_over{};                  ///< by a stretch at the step of the coarser run
+  TriedStretch tried{};                  ///< the last that shorter steps are to mend
+  ErrorFloor floor{};
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.free, s.free_next, s.impact, s.impact_next, s.seen, s.largest, s.largest_seen, s.left_over);
+    return fields(s.h, s.free, s.free_next, s.impact, s.impact_next, s.seen, s.largest, s.largest_seen, s.left_over, s.tried, s.floor);
   }
 };
 static_assert(visits_every_field<ContactSteps>);

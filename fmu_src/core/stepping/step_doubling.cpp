@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "contact/broad_phase.hpp"
+#include "contact/tolerances.hpp"
 #include "kit/limits.hpp"
 #include "kit/outlook.hpp"
 #include "kit/snapshot.hpp"
@@ -19,6 +22,8 @@ namespace thresholds {
 constexpr double surface_tolerance = 0.6;
 /// The same of contact of a body with internal damping, whose errors add to those of implicit steps.
 constexpr double damped_tolerance = 0.5;
+/// Of the allowed error, up to which one shorter step is enough to tell that none makes it smaller, where nothing strikes [1].
+constexpr double soon_believed = 16;
 /// Times that a stretch is run again.
 constexpr int most_reruns = 4;
 /// Stretches that may be run once after a success, at least and at most [1]. By experience on dropped and sliding bodies, as all of these.
@@ -48,6 +53,50 @@ void learn_trust(ContactSteps& contact, bool impact, bool good, double allowed, 
 
 /// Of the step.
 double factor_after(double allowed, double error) { return error > 0 ? use::safety * std::sqrt(allowed / error) : use::doubled_growth; }
+
+/// What the two runs of a stretch with impacts of a surface will differ by at the end of the run [m]. Those that follow a landing err now
+/// this way, now that way.
+double after_impacts(const StepContext& context, const State& coarse, const State& fine, double stretch, bool lands) {
+  return worse(growing(context, coarse, fine, stretch, !lands), left_over(context, coarse, fine, outlook(context, fine)).size);
+}
+
+/// Whether shorter steps have made the error of a stretch smaller by less than half an order would: two runs then differ by what no step
+/// resolves, as by which of several places strikes first, or by how rows that depend on each other share friction. Before a larger error
+/// counts as such, more than one shorter step has to have been tried.
+bool in_vain(const TriedStretch& tried, const TriedStretch& now, double allowed, int tries) {
+  if (!(now.h < tried.h && now.impact == tried.impact && now.error > tried.error * std::sqrt(now.h / tried.h))) return false;
+  return tries > 1 || now.error <= (now.impact ? use::too_much : use::soon_believed) * allowed;
+}
+
+/// The next step after a stretch that is accepted. wanted: error that was to be met.
+double step_after(const TriedStretch& done, double wanted, double least) {
+  return std::max(done.h * std::clamp(factor_after(wanted, done.error), use::next_shrink, use::next_growth), least);
+}
+
+/// Chooses it for a surface, of which more vertices may touch than there are control points. An impact does not make it shorter.
+void choose_step(ContactSteps& contact, const TriedStretch& done, double wanted, bool vain, double least) {
+  TriedStretch& tried = contact.tried;
+  ErrorFloor& floor = contact.floor;
+  const TriedStretch before = std::exchange(tried, {});
+  if (done.impact) {
+    contact.h = std::max(done.h, before.impact ? before.h : 0);
+    return;
+  }
+  if (vain) {
+    contact.h = std::max(before.h, use::next_growth * done.h);
+    floor = {done.error, floor.next, std::min(2 * floor.next, Count(use::longest_trust))};
+    return;
+  }
+  if (floor.left > 0)
+    floor = {std::min(floor.error, done.error), floor.left - 1, floor.next};
+  else
+    floor = {};
+  contact.h = step_after(done, wanted, least);
+  if (before.impact && done.h < before.h)
+    tried = before;  // it is still to come
+  else if (contact.h < done.h)
+    tried = done;
+}
 
 /// The largest error of late, if steps of h had been taken: of this stretch, and of those before that make it a whole one. Where
 /// communication steps are shorter than a stretch, each sees but a part of a vibration; if each part had its own step, the steps would
@@ -130,19 +179,31 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     snapshot.rollback();
     const Outcome fine = run(0.5 * part, 2 * steps);
     if (fine.status != StepStatus::ok) return fine.status;
-    const double error = growing(context, coarse_, path.motion, double(steps) * part) / 3;
-    const bool last = part <= least || tries == use::most_reruns;
+    const bool impact = coarse.impacts + fine.impacts > 0;
+    const bool strikes = impact && body.samples;
+    const bool lands =
+        strikes && !course.neighbour.follows && off_obstacles(body, context.drive, begin, start_.motion.x, touching * body.length);
+    const double stretch_time = double(steps) * part, share = strikes ? 1 : 1.0 / 3;  // of the difference, the finer run's error
+    const double error = share * (strikes ? after_impacts(context, coarse_, path.motion, stretch_time, lands)
+                                          : growing(context, coarse_, path.motion, stretch_time));
+    const TriedStretch tried{part, error, impact};
+    const bool vain = body.samples && error > allowed && (part <= least || in_vain(contact.tried, tried, allowed, tries));
+    const bool floored = contact.floor.left > 0 && !impact && contact.floor.error > allowed;
+    const double wanted = floored ? contact.floor.error : allowed;
+    const bool last = vain || part <= least || tries == use::most_reruns;
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
-    if (error <= use::too_much * allowed || last) {
-      const LeftOver leaves = left_over(context, coarse_, path.motion, outlook(context, path.motion)).times(1.0 / 3);
+    if (error <= use::too_much * wanted || last) {
+      const LeftOver leaves = left_over(context, coarse_, path.motion, outlook(context, path.motion)).times(share);
       contact.left_over.learn(leaves.times(4));
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;
       const double trusted = contact.free_next > 1 ? use::trusted : use::trusted_at_first;
       const bool good = at_limit && tries == 0 && 4 * worst <= trusted * allowed;  // 4: of the coarser run
-      const bool impact = coarse.impacts + fine.impacts > 0;
       learn_trust(contact, impact, good, allowed, worst);
-      contact.h = std::max(part * std::clamp(factor_after(allowed, worst), use::next_shrink, use::next_growth), least);
+      if (body.samples)
+        choose_step(contact, {part, worst, impact}, wanted, vain, least);
+      else
+        contact.h = step_after({part, worst}, allowed, least);
       path.clock = {begin, 0.5 * part, 0};
       taken += 2 * steps;
       path.motion.time = next;
@@ -151,8 +212,9 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
       return StepStatus::ok;
     }
     course.rejected += 2 * steps;
+    if (body.samples) contact.tried = tried;
     snapshot.rollback();
-    h = std::max(part * std::clamp(factor_after(allowed, error), use::rerun_shrink, use::rerun_growth), least);
+    h = std::max(part * std::clamp(factor_after(wanted, error), use::rerun_shrink, use::rerun_growth), least);
   }
 }
 

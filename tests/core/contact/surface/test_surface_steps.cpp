@@ -97,23 +97,30 @@ TEST(what_is_pinned_stays_and_the_rest_gives_way) {
   CHECK_NEAR(body.readings().pin_reaction(0).z(), force, 0.02 * force);
 }
 
-TEST(automatic_steps_follow_a_landing_by_the_tolerance_and_state_their_error) {
-  const auto landed = [](double h, double tolerance) {
-    SoftBody body = tumbling(h);
-    body.settings.planes[0].friction = 0;
-    body.settings.horizon = 0.15;
-    body.settings.tolerance = tolerance;
-    CHECK(body.initialize(0) == StepStatus::ok);
-    go(body, 15, 0.01);
-    return body;
-  };
-  const SoftBody fine = landed(2e-6, 1e-4);
-  for (const double tolerance : {1e-3, 3e-4, 1e-4, 3e-5}) {
-    const SoftBody body = landed(0, tolerance);
-    const double error = distance(fine.state().x, body.state().x), stated = body.readings().stated_error();
-    CHECK(body.readings().method() == Method::leapfrog && body.readings().reason() == Reason::contact);
-    CHECK(error < 3 * tolerance && error < 3 * stated);
+TEST(automatic_steps_follow_landings_by_the_tolerance_and_state_their_error) {
+  int followed = 0, all = 0;
+  for (int throws = 0; throws < 6; ++throws) {
+    const auto landed = [throws](double h, double tolerance) {
+      const Sphere sphere{.level = 2, .height = 0.1, .damping = 0, .friction = 0, .velocity = {1, 0.3, -1 - 0.05 * throws}, .planes = 1};
+      SoftBody body = sphere.body(Vec3(0.4 + 0.3 * throws, 3, 0.7));
+      body.settings.step = h;
+      body.settings.horizon = 0.15;
+      body.settings.tolerance = tolerance;
+      CHECK(body.initialize(0) == StepStatus::ok);
+      go(body, 15, 0.01);
+      return body;
+    };
+    const SoftBody fine = landed(2e-6, 1e-4);
+    for (const double tolerance : {1e-3, 3e-4, 1e-4, 3e-5}) {
+      const SoftBody body = landed(0, tolerance);
+      const double error = distance(fine.state().x, body.state().x), stated = body.readings().stated_error();
+      CHECK(body.readings().method() == Method::leapfrog && body.readings().reason() == Reason::contact);
+      CHECK(error < 3 * stated && stated < 10 * std::max(error, tolerance));
+      followed += error < 3 * tolerance;
+      ++all;
+    }
   }
+  CHECK(followed > 0.75 * all);  // which facet strikes first may hang on less
 }
 
 TEST(a_stiff_body_with_samples_falls_by_its_modes_and_rests_in_implicit_steps) {
