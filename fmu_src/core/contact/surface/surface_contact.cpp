@@ -83,7 +83,6 @@ void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive
     close_.set_masses(inverse(kicks.closing_mass()));
   }
   know(around, t0);
-  search_.forget();
   holds_ = false;
 }
 
