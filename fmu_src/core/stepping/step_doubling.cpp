@@ -22,7 +22,7 @@ namespace thresholds {
 constexpr double surface_tolerance = 0.6;
 /// The same of contact of a body with internal damping, whose errors add to those of implicit steps.
 constexpr double damped_tolerance = 0.5;
-/// Of the allowed error, up to which one shorter step is enough to tell that none makes it smaller, where nothing strikes [1].
+/// Of the allowed error, up to which one shorter step is enough to tell that none makes it smaller [1].
 constexpr double soon_believed = 16;
 /// Times that a stretch is run again.
 constexpr int most_reruns = 4;
@@ -61,11 +61,11 @@ double after_impacts(const StepContext& context, const State& coarse, const Stat
 }
 
 /// Whether shorter steps have made the error of a stretch smaller by less than half an order would: two runs then differ by what no step
-/// resolves, as by which of several places strikes first, or by how rows that depend on each other share friction. Before a larger error
-/// counts as such, more than one shorter step has to have been tried.
-bool in_vain(const TriedStretch& tried, const TriedStretch& now, double allowed, int tries) {
+/// resolves, as by which of several places strikes first, or by how rows that depend on each other share friction. soon: one shorter step
+/// may tell; more have to have been tried before a larger error counts as such, one of an impact, or of a body with internal damping.
+bool in_vain(const TriedStretch& tried, const TriedStretch& now, double allowed, int tries, bool soon) {
   if (!(now.h < tried.h && now.impact == tried.impact && now.error > tried.error * std::sqrt(now.h / tried.h))) return false;
-  return tries > 1 || now.error <= (now.impact ? use::too_much : use::soon_believed) * allowed;
+  return tries > 1 || now.error <= (soon ? use::soon_believed : use::too_much) * allowed;
 }
 
 /// The next step after a stretch that is accepted. wanted: error that was to be met.
@@ -183,17 +183,18 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const bool strikes = impact && body.samples;
     const bool lands =
         strikes && !course.neighbour.follows && off_obstacles(body, context.drive, begin, start_.motion.x, touching * body.length);
-    const double stretch_time = double(steps) * part, share = strikes ? 1 : 1.0 / 3;  // of the difference, the finer run's error
-    const double error = share * (strikes ? after_impacts(context, coarse_, path.motion, stretch_time, lands)
-                                          : growing(context, coarse_, path.motion, stretch_time));
+    const double stretch_time = double(steps) * part, of_difference = strikes ? 1 : 1.0 / 3;  // the finer run's error
+    const double error = of_difference * (strikes ? after_impacts(context, coarse_, path.motion, stretch_time, lands)
+                                                  : growing(context, coarse_, path.motion, stretch_time));
     const TriedStretch tried{part, error, impact};
-    const bool vain = body.samples && error > allowed && (part <= least || in_vain(contact.tried, tried, allowed, tries));
+    const bool vain =
+        body.samples && error > allowed && (part <= least || in_vain(contact.tried, tried, allowed, tries, !impact && !body.dashpots()));
     const bool floored = contact.floor.left > 0 && !impact && contact.floor.error > allowed;
     const double wanted = floored ? contact.floor.error : allowed;
     const bool last = vain || part <= least || tries == use::most_reruns;
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * wanted || last) {
-      const LeftOver leaves = left_over(context, coarse_, path.motion, outlook(context, path.motion)).times(share);
+      const LeftOver leaves = left_over(context, coarse_, path.motion, outlook(context, path.motion)).times(of_difference);
       contact.left_over.learn(leaves.times(4));
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;
