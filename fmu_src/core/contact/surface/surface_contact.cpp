@@ -389,10 +389,7 @@ double SurfaceContact::loss(const StepView& step, const Points& v1, Exchange& ex
       const double force = 0.5 * (start_force_(p, axis) + step.spring(p, axis) + step.force(p, axis));
       lost += more * 0.5 * step.h * step.body.inverse_mass[p] * force;
     }
-  if (passed_.rows() == 0) return lost;
-  const double passed = 0.5 * (passed_ * (start_v_ + v1)).sum();
-  exchange.work += passed;
-  return lost + passed;
+  return lost + book_passed(v1, exchange);
 }
 
 }  // namespace softffd

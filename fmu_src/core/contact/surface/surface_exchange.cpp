@@ -146,8 +146,8 @@ double SurfaceContact::book_own(const StepView& step, const SurfaceRow& row, con
 }
 
 /// Pins take what obstacles give the points that they hold: of each sample the share that its weights give these. Points of free pins keep
-/// what moves them; what they pass on works as contact does, along the mean of the velocities before and after, of the step where `loss`
-/// is asked for. Returns the work of the pins' own motion [J].
+/// what moves them; what they pass on works as contact does, along the mean of the velocities before and after the step where that is
+/// asked for, else the stage. Returns the work of the pins' own motion [J].
 double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage, double per_force, const Points& v, Exchange& exchange) {
   const Scalars& mass = &stage == &drift_ ? step.kicks.opening_mass() : step.kicks.closing_mass();
   const int n = step.body.points();
@@ -166,7 +166,7 @@ double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage
       const Vec3 change = per_force * row(stage.move(), held.point);
       impulse += mass[held.point] * change;
       velocity = row(v, held.point) - 0.5 * change;
-      if (asks_loss_ && wants_loss(step)) {
+      if (asks_loss_ ? wants_loss(step) : step.around.watch) {
         exchange.pins[held.pin].add(-impulse, held.arm);
         passed_.row(held.point) += impulse.transpose().array();
         return;
@@ -176,6 +176,14 @@ double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage
     work += impulse.dot(velocity);
   });
   return work;
+}
+
+/// Work of what points of free pins have passed on in the step, along the mean of the velocities before and after it [J].
+double SurfaceContact::book_passed(const Points& v1, Exchange& exchange) const {
+  if (passed_.rows() == 0 || touching_.empty()) return 0;
+  const double passed = 0.5 * (passed_ * (start_v_ + v1)).sum();
+  exchange.work += passed;
+  return passed;
 }
 
 }  // namespace softffd
