@@ -60,6 +60,7 @@ class SurfaceContact {
   /// Energy that contact took in the step that `close` has ended, less the work of the obstacles' own motion [J], where kicks are those of
   /// kick.hpp; what points of free pins passed on to their parts in it is booked as work. v1: velocities at its end.
   double loss(const StepView& step, const Points& v1, Exchange& exchange) const;
+  /// The last of these alone [J], where `loss` is not asked for.
   double book_passed(const Points& v1, Exchange& exchange) const;
   /// Where it is not asked for, nothing is kept for it.
   static bool wants_loss(const StepView& step) { return step.around.watch || !step.body.damped; }

@@ -31,7 +31,7 @@ class SurfaceStage {
   void set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction, const std::vector<int>& samples);
   /// Inverse masses of the control points (points), 0 of pinned ones.
   void set_masses(const Scalars& inverse) { set_.delassus().set_masses(inverse); }
-  void begin() { set_.delassus().begin(); }
+  void begin() { set_.delassus().begin(); }  ///< a stretch of steps
   void set_free(FreeRows* free) { set_.delassus().set_free(free); }
 
   Operations& operations() const { return set_.delassus().operations(); }
