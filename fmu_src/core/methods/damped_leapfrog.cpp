@@ -182,15 +182,13 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
   kick(view, state, held, true, exchange);
   kick_parts(view, state.free, kicked_by(view, before_, state.v));
   return_pins(view, middle_, before_, state.v, passed_, exchange);
-  if (!touched) {
-    book_passed(state.v, exchange);
-    return StepStatus::ok;
+  StepStatus status = StepStatus::ok;
+  if (touched) {
+    const double work = exchange.work, dissipated = exchange.dissipated;
+    status = surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
+    if (surface_ && view.around.watch) surface_->book_passed(state.v, exchange);
+    if (losses(view.around)) exchange.dissipated = dissipated + (exchange.work - work) + slowed(view.body, kicked_, state.v);
   }
-  const double work = exchange.work, dissipated = exchange.dissipated;
-  const StepStatus status =
-      surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
-  if (surface_ && view.around.watch) surface_->book_passed(state.v, exchange);
-  if (losses(view.around)) exchange.dissipated = dissipated + (exchange.work - work) + slowed(view.body, kicked_, state.v);
   book_passed(state.v, exchange);
   return status;
 }

@@ -40,7 +40,7 @@ void Delassus::set_normals(const std::vector<Vec3>& normals) {
   if (normals == normals_) return;
   normals_ = normals;
   before_.sorted = false;
-  if (free_ || !counted_) forget();  // handles are of the places before
+  if (free_ || !counted_) forget();  // handles are of the places before; rows not yet counted would be factored here
   cosines_.clear();
   const int n = int(normals.size());
   std::vector<double> table;

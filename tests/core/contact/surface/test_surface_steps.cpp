@@ -120,7 +120,7 @@ TEST(automatic_steps_follow_landings_by_the_tolerance_and_state_their_error) {
       ++all;
     }
   }
-  CHECK(followed > 0.75 * all);  // which facet strikes first may hang on less
+  CHECK(followed > 0.9 * all);  // which facet strikes first may hang on less
 }
 
 TEST(a_stiff_body_with_samples_falls_by_its_modes_and_rests_in_implicit_steps) {
