@@ -123,13 +123,17 @@ Run empty_run(const Definition& definition) {
   for (MarkedPoints* points : {&motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside}) points->change().setZero(n, 3);
   motion.free.resize(definition.free.size());
   run.course.neighbour.free.resize(definition.free.size());
-  motion.holds.assign(definition.planes, Points::Zero(n, 3));
-  if (definition.samples && definition.planes > 0) {
-    const int rows = std::min({most_surface_rows, 3 * n, definition.samples->count() * definition.planes});
+  if (!definition.samples && !definition.solid()) {
+    motion.holds.assign(definition.planes, Points::Zero(n, 3));
+  } else if (definition.planes > 0) {
+    const int touching = definition.samples ? definition.samples->count() : n;
+    const int rows = std::min({most_surface_rows, 3 * n, touching * definition.planes});
+    motion.held_rows = {std::vector<Count>(rows, -1), Points::Zero(rows, 3)};
     SurfaceRows& surface = run.path.surface;
-    surface.drift = surface.close = std::vector<Count>(rows, -1);
-    surface.drift_friction = surface.close_friction = Points::Zero(rows, 3);
-    motion.held_rows = {surface.drift, surface.drift_friction};
+    if (definition.samples) {
+      surface.drift = surface.close = motion.held_rows.rows;
+      surface.drift_friction = surface.close_friction = motion.held_rows.forces;
+    }
   }
   return run;
 }

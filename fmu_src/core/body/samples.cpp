@@ -82,6 +82,15 @@ Samples::Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& p
   }
 }
 
+Samples::Samples(const Lattice& lattice) : lattice_(lattice), counts_(lattice.counts), width_{1, 1, 1}, fours_(false) {
+  const Points rest = rest_positions(lattice);
+  for (int p = 0; p < lattice.points(); ++p) {
+    places_.push_back(row(rest, p));
+    first_.push_back({p % counts_[0], p / counts_[0] % counts_[1], p / (counts_[0] * counts_[1])});
+  }
+  factors_.assign(3 * places_.size(), 1.0);
+}
+
 void Samples::add_idle(int number) {
   first_.resize(first_.size() + number, {0, 0, 0});
   factors_.resize(factors_.size() + std::size_t(number) * (width_[0] + width_[1] + width_[2]), 0.0);

@@ -23,6 +23,9 @@ class Samples {
   /// places: at rest [m], in the box of the lattice.
   Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& places);
 
+  /// The points of the lattice themselves, each of weight 1.
+  explicit Samples(const Lattice& lattice);
+
   const Lattice& lattice() const { return lattice_; }
   int count() const { return int(places_.size()); }
   /// Adds samples at which no control point counts: of what is not the object, but meets what its samples meet.
@@ -34,7 +37,7 @@ class Samples {
   int support() const { return width_[0] * width_[1] * width_[2]; }
 
   /// Whether weights may be negative.
-  bool of_nodes() const { return lattice_.lobatto; }
+  bool of_nodes() const { return lattice_.lobatto && support() > 1; }
   /// Numbers of which those at the samples are means: those of the points (points), or, of nodes, of control points, in `room`.
   const Scalars& hull(const Scalars& values, Scalars& room) const;
   const Points& hull(const Points& values, Points& room) const;

@@ -43,6 +43,10 @@ std::uint64_t mixed(std::uint64_t value) {
 }  // namespace
 
 ImplicitStage::ImplicitStage(const Lattice& lattice, int planes, const Samples* samples) {
+  if (!samples && lattice.lobatto) {  // whose matrix is too dense to be factored for each change of friction
+    nodes_ = std::make_unique<Samples>(lattice);
+    samples = nodes_.get();
+  }
   if (samples)
     touches_ = std::make_unique<SurfaceTouches>(*samples, lattice.largest_side(), planes);
   else

@@ -27,7 +27,7 @@ class ImplicitStage {
   using Step = ImplicitTouches::Step;
   using Reaction = ImplicitTouches::Reaction;
 
-  /// samples: of the surface, which planes meet; null: they meet the control points.
+  /// samples: of the surface, which planes meet; null: they meet the control points, or the nodes of a solid, as samples of weight 1.
   ImplicitStage(const Lattice& lattice, int planes, const Samples* samples);
 
   /// Call when masses, stiffness or damping change.
@@ -111,6 +111,7 @@ class ImplicitStage {
   static bool on_body(const Reaction& reaction) { return reaction.solid < 0; }
   Vec3 pin_impulse(const Step& step, int p) const;
 
+  std::unique_ptr<const Samples> nodes_;
   std::unique_ptr<ImplicitTouches> touches_;
   std::vector<Reaction> reactions_;  ///< of the step that was solved
   std::vector<FreePart> parts_;      ///< of free pins, where they are
