@@ -1,6 +1,15 @@
 #include "matrix/lattice_matrix.hpp"
 
+#include <algorithm>
+
 namespace softffd {
+
+namespace {
+
+/// Of right sides that are solved for together, in single solutions.
+constexpr double work_together = 2;
+
+}  // namespace
 
 LatticeMatrix::LatticeMatrix(const Lattice& lattice) {
   if (lattice.lobatto || LayerMatrix::points_per_layer(lattice) <= widest_factor)
@@ -13,6 +22,18 @@ double LatticeMatrix::solve(Points& b, double accuracy) {
   if (!layers_) return double(gradients_->solve(b, accuracy)) / ConjugateGradients::usual;
   layers_->solve(b);
   return 1;
+}
+
+double LatticeMatrix::solve_together(std::span<Points* const> sides) {
+  double work = 0;
+  if (!layers_)
+    for (Points* side : sides) work += solve(*side);
+  for (; layers_ && !sides.empty(); work += work_together) {
+    const auto now = sides.first(std::min(sides.size(), LayerMatrix::together));
+    layers_->solve_together(now);
+    sides = sides.subspan(now.size());
+  }
+  return work;
 }
 
 }  // namespace softffd

@@ -96,4 +96,21 @@ void LayerMatrix::solve(Points& b) {
     for (int p = 0; p < points; ++p) b(p, a) = vector_[unknown(p, a)];
 }
 
+void LayerMatrix::solve_together(std::span<Points* const> sides) {
+  static_assert(together == kernels::block);
+  vectors_ = Scalars::Zero(vector_.size() * together);
+  const auto visit = [&](auto take) {
+    for (std::size_t s = 0; s < sides.size(); ++s)
+      for (int a = 0; a < 3; ++a)
+        for (int p = 0; p < int(first_.size()); ++p)
+          take((*sides[s])(p, a), vectors_[unknown(p, a) * Eigen::Index(together) + Eigen::Index(s)]);
+  };
+  visit([](double from, double& to) { to = from; });
+  for (int l = 0, i = 0; l < layers_; ++l, i += size_)
+    kernels::solve_lower_together(size_, rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vectors_.data() + i * together);
+  for (int l = layers_ - 1, i = l * size_; l >= 0; --l, i -= size_)
+    kernels::solve_upper_together(size_, rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vectors_.data() + i * together);
+  visit([](double& to, double from) { to = from; });
+}
+
 }  // namespace softffd

@@ -18,6 +18,7 @@
 /// panels.hpp's: same bits on every instruction set.
 #pragma once
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "forces/blocks.hpp"
@@ -51,6 +52,9 @@ class LayerMatrix {
   void factor();
   /// b <- A^-1 b, (points, 3), with the factor.
   void solve(Points& b);
+  /// The same for up to `together` right sides, whose bits do not depend on which ones come together.
+  static constexpr std::size_t together = 8;
+  void solve_together(std::span<Points* const> sides);
 
   int layers() const { return layers_; }
   /// Axis that the layers lie across.
@@ -94,6 +98,7 @@ class LayerMatrix {
   std::vector<std::size_t> column_;                                 ///< (points) where the column of the x coordinate would have row 0
   std::unique_ptr<double[], Free> values_;                          ///< columns
   Scalars inverse_diagonal_, vector_;                               ///< (unknowns)
+  Scalars vectors_;                                                 ///< (together, unknowns), from the first time on that they are wanted
 };
 
 }  // namespace softffd

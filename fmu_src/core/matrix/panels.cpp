@@ -132,6 +132,44 @@ INNER void solve_upper(int columns, int rows, std::size_t stride, const double* 
   }
 }
 
+INNER void solve_lower_together(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
+  for (int j = 0; j < columns; j += block) {
+    const double* panel = l + j * stride + j;
+    Lanes<block> s[block];
+    for (int k = 0; k < block; ++k) s[k] = load<block>(y + (j + k) * block);
+    for (int k = 0; k < block; ++k) {
+      s[k] *= inverse[j + k];
+      for (int i = k + 1; i < block; ++i) s[i] -= panel[k * stride + i] * s[k];
+      store<block>(y + (j + k) * block, s[k]);
+    }
+    for (int i = block; i < rows - j; ++i) {
+      const double* of_row = panel + i;
+      double* at = y + (j + i) * block;
+      store<block>(
+          at, load<block>(at) -
+                  (((of_row[0] * s[0] + of_row[stride] * s[1]) + (of_row[2 * stride] * s[2] + of_row[3 * stride] * s[3])) +
+                   ((of_row[4 * stride] * s[4] + of_row[5 * stride] * s[5]) + (of_row[6 * stride] * s[6] + of_row[7 * stride] * s[7]))));
+    }
+  }
+}
+
+INNER void solve_upper_together(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
+  for (int j = columns - block; j >= 0; j -= block) {
+    const double* panel = l + j * stride + j;
+    Lanes<block> s[block];
+    for (int k = 0; k < block; ++k) s[k] = load<block>(y + (j + k) * block);
+    for (int i = block; i < rows - j; ++i) {
+      const Lanes<block> solved = load<block>(y + (j + i) * block);
+      for (int k = 0; k < block; ++k) s[k] -= panel[k * stride + i] * solved;
+    }
+    for (int k = block - 1; k >= 0; --k) {
+      for (int i = k + 1; i < block; ++i) s[k] -= panel[k * stride + i] * s[i];
+      s[k] *= inverse[j + k];
+      store<block>(y + (j + k) * block, s[k]);
+    }
+  }
+}
+
 }  // namespace loops
 
 decltype(subtract_products) subtract_products =
@@ -139,5 +177,7 @@ decltype(subtract_products) subtract_products =
 decltype(factor_panel) factor_panel = chosen<loops::factor_panel>();
 decltype(solve_lower) solve_lower = chosen<loops::solve_lower>();
 decltype(solve_upper) solve_upper = chosen<loops::solve_upper<2>, loops::solve_upper<4>, loops::solve_upper<8>>();
+decltype(solve_lower_together) solve_lower_together = chosen<loops::solve_lower_together>();
+decltype(solve_upper_together) solve_upper_together = chosen<loops::solve_upper_together>();
 
 }  // namespace softffd::kernels

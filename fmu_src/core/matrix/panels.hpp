@@ -17,4 +17,8 @@ extern void (*const solve_lower)(int columns, int rows, std::size_t stride, cons
 /// The first `columns` values y <- L^-T y, the rest of the `rows` being solved for.
 extern void (*const solve_upper)(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y);
 
+/// Both for as many right sides as a block has at once, side by side: value i of side s is y[block i + s].
+extern void (*const solve_lower_together)(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y);
+extern void (*const solve_upper_together)(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y);
+
 }  // namespace softffd::kernels

@@ -64,27 +64,40 @@ Eigen::Matrix3d StepDelassus::compliance(int i, int j) const {
 }
 
 const StepDelassus::Response& StepDelassus::response(int s) {
-  if (index_[s] >= 0) return *responses_[index_[s]];
-  index_[s] = int(responses_.size());
-  Response& made = *responses_.emplace_back(std::make_unique<Response>());
-  made.sample = s;
-  for (int axis = 0; axis < 3; ++axis) {
-    Points& moved = made.moved[axis];
-    moved.setZero(body_->points(), 3);
-    if (!samples_->of_object(s)) continue;
-    spread(s, Vec3::Unit(axis), moved);
-    body_->hold_prescribed(moved);
-    matrix_->solve(moved);
+  if (index_[s] < 0) respond({s});
+  return *responses_[index_[s]];
+}
+
+void StepDelassus::respond(const std::vector<int>& samples) {
+  const std::size_t had = responses_.size();
+  sides_.clear();
+  for (const int s : samples) {
+    if (index_[s] >= 0) continue;
+    index_[s] = int(responses_.size());
+    Response& made = *responses_.emplace_back(std::make_unique<Response>());
+    made.sample = s;
+    for (int axis = 0; axis < 3; ++axis) {
+      Points& moved = made.moved[axis];
+      moved.setZero(body_->points(), 3);
+      if (!samples_->of_object(s)) continue;
+      spread(s, Vec3::Unit(axis), moved);
+      body_->hold_prescribed(moved);
+      sides_.push_back(&moved);
+    }
   }
-  operations_.spend(3 * Operations::of_place * double(responses_.size()));
-  for (const auto& other : responses_) {
+  matrix_->solve_together(sides_);
+  for (std::size_t r = had; r < responses_.size(); ++r) add_compliance(*responses_[r]);
+}
+
+void StepDelassus::add_compliance(Response& made) {
+  operations_.spend(3 * Operations::of_place * double(index_[made.sample] + 1));
+  for (int r = 0; r <= index_[made.sample]; ++r) {
     Eigen::Matrix3d block;
-    for (int axis = 0; axis < 3; ++axis) block.col(axis) = samples_->at(other->sample, made.moved[axis]);
+    for (int axis = 0; axis < 3; ++axis) block.col(axis) = samples_->at(responses_[r]->sample, made.moved[axis]);
     made.compliance.push_back(block);
   }
   Eigen::Matrix3d& own = made.compliance.back();
   own = (0.5 * (own + own.transpose())).eval();
-  return made;
 }
 
 void StepDelassus::add_response(int s, const Vec3& f, Points& u) {

@@ -53,6 +53,8 @@ class StepDelassus {
   Eigen::Matrix3d block(const SurfaceRow& a, const SurfaceRow& b);
   /// That of a solid's own sample (FreeRows::give).
   double give(const SurfaceRow& row);
+  /// Responses of samples that will be asked for, together.
+  void respond(const std::vector<int>& samples);
   /// u += Z_s f [m].
   void add_response(int s, const Vec3& f, Points& u);
   /// f_i += W_si f [N].
@@ -65,6 +67,7 @@ class StepDelassus {
     std::vector<Eigen::Matrix3d> compliance;  ///< with the samples of the responses before, and its own
   };
   const Response& response(int s);
+  void add_compliance(Response& made);
   Eigen::Matrix3d compliance(int i, int j) const;
   double element(const SurfaceRow& a, const SurfaceRow& b) { return normals_[a.plane].dot(block(a, b) * normals_[b.plane]); }
   void factor(int from);
@@ -80,6 +83,7 @@ class StepDelassus {
   RowFactor factor_;
   Points move_;
   mutable std::vector<double> weights_;
+  std::vector<Points*> sides_;
   mutable Operations operations_;
 };
 

@@ -87,6 +87,13 @@ void StepMatrix::solve(Points& b, double accuracy) {
   solve_with_parts(b, std::vector<double>(columns_.size(), 0.0), accuracy);
 }
 
+void StepMatrix::solve_together(std::span<Points* const> sides) {
+  if (columns_.empty())
+    solutions_ += matrix_.solve_together(sides);
+  else
+    for (Points* side : sides) solve(*side);
+}
+
 void StepMatrix::solve_residual(const StepProblem& problem, Points& b) {
   std::vector<double> lack;
   for (const FreePart& part : problem.parts)

@@ -147,6 +147,9 @@ bool SurfaceTouches::solve_free(const StepProblem& problem) {
 }
 
 StepStatus SurfaceTouches::find_forces(const StepProblem& problem) {
+  std::vector<int> loaded;
+  for (const Force& each : forces_) loaded.push_back(each.row.sample);
+  set_.delassus().respond(loaded);
   for (int turn = 0; turn < most_turns && !operations().spent(); ++turn) {
     bool lost = false;
     if (const StepStatus status = press(problem, lost); status != StepStatus::ok) return status;
