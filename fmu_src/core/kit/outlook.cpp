@@ -222,8 +222,10 @@ Outlook outlook(const StepContext& context, const State& state) {
   const Vec3 velocity = motion.velocity - obstacle.material_velocity(motion.centre), spin = motion.spin - obstacle.spin;
   const double across = std::abs(velocity.dot(obstacle.normal)) + radius * tangential(obstacle.normal, spin).norm() +
                         std::sqrt(4 * kinetic_deformation(body, state) / motion.mass);
-  const double along = tangential(obstacle.normal, velocity).norm() + radius * spin.norm();
+  const Vec3 slip = tangential(obstacle.normal, velocity);
+  const double along = slip.norm() + radius * spin.norm();
   ahead.along_normal = std::min(left, std::max(ringing_time(context, period), 4 * across / pressing));
+  if (slip.norm() > plane->friction * across + radius * spin.norm()) ahead.rub = -plane->friction * slip.normalized();
   const double sliding = plane->friction > 0 ? 2 * along / (plane->friction * pressing) : infinity;
   ahead.along_plane = std::min(left, std::max(ahead.along_normal, sliding));
   return ahead;
@@ -285,13 +287,14 @@ LeftOver left_over(const StepContext& context, const State& a, const State& b, c
   const RigidMotion of_a = rigid_motion(body.mass, a.x, a.v), of_b = rigid_motion(body.mass, b.x, b.v);
   const double radius = radius_about(of_b.centre, b.x);
   const Vec3 velocity = of_a.velocity - of_b.velocity, spin = of_a.spin - of_b.spin;
-  const Vec3 along = tangential(ahead.normal, velocity), over = tangential(ahead.normal, spin);
-  const double grown = ahead.along_plane * (along.norm() + radius * std::abs(spin.dot(ahead.normal))) +
-                       ahead.along_normal * (std::abs(velocity.dot(ahead.normal)) + radius * over.norm());
+  const Vec3 along = tangential(ahead.normal, velocity), across = velocity - along, over = tangential(ahead.normal, spin);
+  const Vec3 lasting = along - across.dot(ahead.normal) * ahead.rub;  // when the obstacle has taken what is across
+  const double grown = ahead.along_plane * (lasting.norm() + radius * std::abs(spin.dot(ahead.normal))) +
+                       ahead.along_normal * (across.norm() + (along - lasting).norm() + radius * over.norm());
   if (!(error < infinity && grown < infinity)) return {infinity};
   const double now = std::max(error, grown), size = std::min(ahead.growth * now, now + ahead.sweep), growth = now > 0 ? size / now : 1;
   if (body.dashpots()) return {size};  // a coarser run lags behind by the same again and again, which does not add up
-  return {size, 0, growth * (ahead.along_plane * along + ahead.along_normal * (velocity - along)),
+  return {size, 0, growth * (ahead.along_plane * lasting + ahead.along_normal * (velocity - lasting)),
           growth * radius * (ahead.along_plane * (spin - over) + ahead.along_normal * over)};
 }
 

@@ -15,6 +15,8 @@ struct Outlook {
   double left;             ///< of the run
   double pressing;         ///< acceleration towards the obstacle [m/s2]
   bool slides_on = false;  ///< friction does not hold it against what drives it along the obstacle
+  /// Of a body that slides: the velocity along the obstacle that it is given with each unit of that along the normal.
+  Vec3 rub = Vec3::Zero();
   /// Of a body that falls over: how many times what two states differ by grows until it lands or the run ends, and the way of its outermost
   /// point until then, beyond which they cannot differ more [m].
   double growth = 1, sweep = 0;
