@@ -10,32 +10,6 @@ namespace {
 /// Length of a half kick times the fastest rate of damping up to which one explicit step of it is stable.
 constexpr double explicit_kick = 2;
 
-/// A pin gives the point p that it holds an impulse [N s], which works along a mean velocity; that of a free pin along the mean of those at
-/// both ends of the step, if `passed` is to be kept for it.
-void give_pinned(const StepView& step, std::size_t pin, int p, const Vec3& impulse, const Vec3& arm, const Vec3& velocity, Points& passed,
-                 Exchange& exchange) {
-  if (!step.around.pins[pin].own || passed.rows() == 0) return exchange.push(exchange.pins[pin], impulse, arm, velocity);
-  exchange.pins[pin].add(-impulse, arm);
-  passed.row(p) += impulse.transpose().array();
-}
-
-/// Pinned points at the end of the drift are where the frame is. What the kick gave them is less than what moves them there by the impulse
-/// of their pin.
-void carry_pins(const StepView& step, Points& v, Points& x1, Points& passed, Exchange& exchange) {
-  for (std::size_t a = 0; a < step.around.pins.size(); ++a) {
-    const Pin& pin = step.around.pins[a];
-    const Frame start = pin.at(step.t0), end = pin.at(step.t1);
-    for (std::size_t n = 0; n < pin.points.size(); ++n) {
-      const int p = pin.points[n];
-      const Vec3 arm = start.arm(pin.local[n]), here = end.origin + end.arm(pin.local[n]), velocity = (here - row(step.x0, p)) / step.h;
-      const Vec3 impulse = step.body.mass[p] * (velocity - row(v, p));
-      give_pinned(step, a, p, impulse, arm, 0.5 * (start.material_velocity(arm) + velocity), passed, exchange);
-      set_row(x1, p, here);
-      set_row(v, p, velocity);
-    }
-  }
-}
-
 /// What a kick from velocities v0 to v gave a pinned point [N s].
 auto kicked_by(const StepView& step, const Points& v0, const Points& v) {
   return [&](int p) { return Vec3(step.body.mass[p] * (row(v, p) - row(v0, p))); };
@@ -61,18 +35,6 @@ double more_work(const StepView& step, const Points& spring, const Points& v0, c
   return 0.5 * step.h * work;
 }
 
-/// After the closing half kick, which found them with the velocity of the frame, they have it again. middle: velocities before the kick;
-/// before: the same, of the frame where it holds a point.
-void return_pins(const StepView& step, const Points& middle, const Points& before, Points& v, Points& passed, Exchange& exchange) {
-  step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {
-    const int p = held.point;
-    const Vec3 old = row(middle, p), velocity = held.velocity();
-    const Vec3 impulse = step.body.mass[p] * ((row(before, p) - old) + (velocity - row(v, p)));
-    give_pinned(step, held.pin, p, impulse, held.arm, 0.5 * (old + velocity), passed, exchange);
-    set_row(v, p, velocity);
-  });
-}
-
 }  // namespace
 
 DampedLeapfrog::DampedLeapfrog(int points, int planes)
@@ -82,7 +44,7 @@ DampedLeapfrog::DampedLeapfrog(int points, int planes)
 
 Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
   if (model.body.samples && !drive.planes.empty() && !surface_)
-    surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()), false);
+    surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
   const Count before = impacts();
   masses_.take_masses(model.body);
   const double rate = run.course.damping_bound;
@@ -120,8 +82,6 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
   State& state = path.motion;
   Exchange& exchange = path.exchange;
   const bool planes = !view.around.planes.empty();
-  passed_.setZero(view.around.watch && !view.around.free.empty() && !view.around.pins.empty() ? state.v.rows() : 0, 3);
-  if (passed_.rows() > 0) start_ = state.v;
   before_.swap(state.v);
   prepare_kick(view, state, before_, view.h);
   const bool held = planes && is_held(path);
@@ -134,7 +94,8 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
   kick(view, state, held, false, exchange);
   kernels::drift(next_.size(), view.h, state.x.data(), state.v.data(), next_.data());
   kick_parts(view, state.free, kicked_by(view, before_, state.v));
-  carry_pins(view, state.v, next_, passed_, exchange);
+  const auto impulse = [&](int p, const Vec3& v) { return Vec3(view.body.mass[p] * (v - row(state.v, p))); };
+  drift_pins(view, before_, impulse, state.v, next_, pins_, exchange);
   if (!planes) {
     fly(view, state.free);
     return StepStatus::ok;
@@ -181,21 +142,18 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
   }
   kick(view, state, held, true, exchange);
   kick_parts(view, state.free, kicked_by(view, before_, state.v));
-  return_pins(view, middle_, before_, state.v, passed_, exchange);
+  const auto impulse = [&](int p, const Vec3& v) {  // the kick found it with the velocity of the frame
+    return Vec3(view.body.mass[p] * ((row(before_, p) - row(middle_, p)) + (v - row(state.v, p))));
+  };
+  close_pins(view, middle_, impulse, state.v, pins_, exchange);
   StepStatus status = StepStatus::ok;
   if (touched) {
     const double work = exchange.work, dissipated = exchange.dissipated;
     status = surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
-    if (surface_ && view.around.watch) surface_->book_passed(state.v, exchange);
     if (losses(view.around)) exchange.dissipated = dissipated + (exchange.work - work) + slowed(view.body, kicked_, state.v);
   }
-  book_passed(state.v, exchange);
+  pins_.book(view.around, state.v, exchange);
   return status;
-}
-
-/// Work of free pins on their points in the step, at whose end these move by v.
-void DampedLeapfrog::book_passed(const Points& v, Exchange& exchange) const {
-  if (passed_.rows() > 0) exchange.work += 0.5 * (passed_ * (start_ + v)).sum();
 }
 
 void DampedLeapfrog::prepare_kick(const StepView& view, const State& state, const Points& rates, double drift) {

@@ -30,7 +30,6 @@ class DampedLeapfrog {
   /// one before it.
   void prepare_kick(const StepView& view, const State& state, const Points& rates, double drift);
   bool is_held(const Path& path) const;
-  void book_passed(const Points& v, Exchange& exchange) const;
   /// From before_, with the reactions of obstacles where there are any.
   Count impacts() const { return surface_ ? surface_->impacts() : contact_.impacts(); }
   void kick(const StepView& view, State& state, bool held, bool drifted, Exchange& exchange);
@@ -38,11 +37,11 @@ class DampedLeapfrog {
   HalfKicks masses_;  ///< what the contact rule asks of kicks
   DampedKick kick_;
   Contact contact_;
+  PinImpulses pins_;  ///< of what pins give their points
   Reactions reactions_;
   std::unique_ptr<SurfaceContact> surface_;  ///< for bodies with samples of their surface
   bool lands_ = false;                       ///< a point comes onto an obstacle in this step
   bool resolved_ = false;                    ///< kicks are so short that the forces at their beginning tell the reactions
-  Points start_, passed_;                    ///< velocities at the start of the step; what free pins give their points [N s], where asked
   Points before_, middle_, next_;            ///< velocities before a half kick and after the drift, positions after it
   Points drift_;                             ///< by which points have moved in it
   Points kicked_, rates_;                    ///< velocities after a half kick with the reactions; those that the dashpots go by

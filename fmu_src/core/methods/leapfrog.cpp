@@ -14,35 +14,9 @@ Vec3 kick_of(const StepView& step, int p, const Vec3& v) {
   return 0.5 * step.h * (row(step.spring, p) + row(step.force, p) - step.body.damping[p] * v);
 }
 
-/// Books the momentum that a half kick and the forces acting in it do not explain on the pin that holds the point.
-void book(const StepView& step, int pin, int p, const Vec3& old, const Vec3& now, const Vec3& damped, const Vec3& arm, Exchange& exchange) {
-  const Vec3 impulse = step.body.mass[p] * (now - old) - kick_of(step, p, damped);
-  exchange.push(exchange.pins[pin], impulse, arm, 0.5 * (old + now));
-}
-
-/// Pinned points at the end of the drift: they are where the frame is.
-void drift_pins(const StepView& step, const Points& before, Points& v, Points& x1, Exchange& exchange) {
-  for (std::size_t a = 0; a < step.around.pins.size(); ++a) {
-    const Pin& pin = step.around.pins[a];
-    const Frame start = pin.at(step.t0), end = pin.at(step.t1);
-    for (std::size_t n = 0; n < pin.points.size(); ++n) {
-      const int p = pin.points[n];
-      const Vec3 here = end.origin + end.arm(pin.local[n]);
-      const Vec3 old = row(before, p), velocity = (here - row(step.x0, p)) / step.h;
-      book(step, int(a), p, old, velocity, old, start.arm(pin.local[n]), exchange);
-      set_row(x1, p, here);
-      set_row(v, p, velocity);
-    }
-  }
-}
-
-/// Pinned points after the closing half kick: they have the frame's velocity.
-void close_pins(const StepView& step, const Points& before, Points& v, Exchange& exchange) {
-  step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {
-    const Vec3 velocity = held.velocity();
-    book(step, held.pin, held.point, row(before, held.point), velocity, velocity, held.arm, exchange);
-    set_row(v, held.point, velocity);
-  });
+/// That takes a pinned point from one velocity to the next beyond the forces in half a step, of which damping goes by `damped` [N s].
+Vec3 beyond_kick(const StepView& step, int p, const Vec3& from, const Vec3& to, const Vec3& damped) {
+  return step.body.mass[p] * (to - from) - kick_of(step, p, damped);
 }
 
 /// Energy that damping takes in a step from velocities v0 to v1. Its impulse on a point is -(d h/2) (v0 + v1), through contact too, so its
@@ -151,7 +125,10 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
   before_.swap(state.v);
   kicks_.open(view.spring, view.force, before_, state.x, state.v, next_);
   if (!around.free.empty()) kick_parts(view, state.free, [&](int p) { return kick_of(view, p, row(before_, p)); });
-  if (!around.pins.empty()) drift_pins(view, before_, state.v, next_, exchange);
+  if (!around.pins.empty()) {
+    const auto impulse = [&](int p, const Vec3& v) { return beyond_kick(view, p, row(before_, p), v, row(before_, p)); };
+    drift_pins(view, before_, impulse, state.v, next_, pins_, exchange);
+  }
   if (!around.planes.empty()) {
     if (surface_ && surface_->spent()) return StepStatus::not_finite;
     find(view, path);
@@ -174,13 +151,17 @@ StepStatus Leapfrog::close(const StepView& view, Path& path) {
   if (!around.pins.empty() || losses(view.body, around)) before_ = state.v;
   kicks_.close(view.spring, view.force, state.v);
   if (!around.free.empty()) kick_parts(view, state.free, [&](int p) { return kick_of(view, p, row(before_, p)); });
-  if (!around.pins.empty()) close_pins(view, before_, state.v, exchange);
+  if (!around.pins.empty()) {
+    const auto impulse = [&](int p, const Vec3& v) { return beyond_kick(view, p, row(before_, p), v, v); };
+    close_pins(view, before_, impulse, state.v, pins_, exchange);
+  }
   if (!around.planes.empty()) {
     const StepStatus status =
         surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
     if (status != StepStatus::ok) return status;
-    if (surface_ && SurfaceContact::wants_loss(view)) exchange.dissipated += surface_->loss(view, state.v, exchange);
+    if (surface_ && SurfaceContact::wants_loss(view)) exchange.dissipated += surface_->loss(view, state.v);
   }
+  pins_.book(around, state.v, exchange);
   if (losses(view.body, view.around))
     exchange.dissipated += damping_loss(view.body, view.h, start_, state.v) + dashpot_loss(view, state, before_);
   return StepStatus::ok;

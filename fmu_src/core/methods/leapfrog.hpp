@@ -40,6 +40,7 @@ class Leapfrog final : public Integrator {
 
   HalfKicks kicks_;
   Contact contact_;
+  PinImpulses pins_;              ///< of what pins give their points
   Points before_, start_, next_;  ///< velocities before a half kick and before the step, positions after the drift
   Points force_;                  ///< outside forces now, where they ramp
   Points forces_, carried_;       ///< of the energies with their dashpots, and the velocities that these go by; empty without

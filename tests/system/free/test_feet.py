@@ -29,8 +29,8 @@ def test_at_rest_the_foot_is_held_by_its_weight_and_the_ground_by_that_of_both(i
     assert run.outputs["plane.ground.reaction.z"][-50:].mean() == pytest.approx(-(OBJECT + FOOT) * GRAVITY, rel=1e-4)
 
 
-@pytest.mark.parametrize(("internal_damping", "works"), [(0.0, 0.04), (1e-4, 1e-5), (1e-3, 1e-5)])  # the first of the order of a step
-def test_what_is_dissipated_never_comes_back_and_nothing_works_from_outside(internal_damping, works, tmp_path):
+@pytest.mark.parametrize("internal_damping", [0.0, 1e-4, 1e-3])
+def test_what_is_dissipated_never_comes_back_and_nothing_works_from_outside(internal_damping, tmp_path):
     run = simulate(dropped(tmp_path, internal_damping))
     assert np.diff(run.outputs["energy.dissipated"]).min() > -1e-9 * FALL
-    assert np.abs(run.outputs["energy.work"]).max() < works * FALL
+    assert np.abs(run.outputs["energy.work"]).max() < 2e-5 * FALL

@@ -49,7 +49,7 @@ void SurfaceContact::save(const SurfaceStage& stage, std::vector<Count>& numbers
   }
 }
 
-SurfaceContact::SurfaceContact(const Body& body, int planes, bool asks_loss)
+SurfaceContact::SurfaceContact(const Body& body, int planes)
     : samples_(*body.samples),
       length_(body.length),
       search_(samples_, planes, length_),
@@ -59,8 +59,7 @@ SurfaceContact::SurfaceContact(const Body& body, int planes, bool asks_loss)
       free_rows_(samples_),
       still_(planes, 0),
       at_hand_(samples_),
-      behind_(body.points() / 8 + 1),
-      asks_loss_(asks_loss) {
+      behind_(body.points() / 8 + 1) {
   in_evaluation_ = Operations::in_evaluation(body.points());
 }
 
@@ -195,7 +194,7 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   places_known_ = false;
   free_start_ = free;
   set_free(step.around, free_start_, step.x0);
-  if (!free.empty() && !step.around.pins.empty()) passed_.setZero(step.x0.rows(), 3);
+  pins_.begin(step.around, before);
   if (near_) {
     share_work(drift_);
     places_known_ = drift_.free() ? hold_free_drift(step, x1, rows) : hold_drift(step, v, x1, rows);
@@ -213,7 +212,7 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
       if (!places_known_) find_places(drift_, x1);
       places_known_ = true;
       if (const StepStatus status = pressed_solids(step, drift_); status != StepStatus::ok) return status;
-      exchange.dissipated += book(step, drift_, 1 / step.h, v, exchange);
+      exchange.dissipated += book(step, drift_, 1 / step.h, exchange);
     }
     fly(step, free);
     give_free(drift_, step.around, 1 / step.h, true, free);
@@ -364,9 +363,10 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   const bool touched = !drift_.rows.empty() || (!rows.close.empty() && rows.close[0] >= 0);
   if (!touched) impacts_ += Count(close_.rows.size());  // the drift ended on an obstacle, behind none
   close_.give(1, v);
-  exchange.dissipated += book(step, close_, 1, v, exchange);
+  exchange.dissipated += book(step, close_, 1, exchange);
   give_free(close_, step.around, 1, false, free);
   book_free(step, free, exchange);
+  exchange.dissipated += pins_.book(step.around, v, exchange);
   rows.missed = std::max(rows.missed, close_.missed());
   save(close_, rows.close, rows.close_friction);
   return StepStatus::ok;
@@ -375,7 +375,7 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
 /// Its impulses J change the kinetic energy by J . w, where w is the mean of the velocities at both ends of the step. Where a sample lands
 /// they also move the points in the step, on which the forces F work: half a step at the drift and as much less at the closing. Lasting
 /// contact balances the part of F that this takes for work, and does none.
-double SurfaceContact::loss(const StepView& step, const Points& v1, Exchange& exchange) const {
+double SurfaceContact::loss(const StepView& step, const Points& v1) const {
   if (touching_.empty()) return 0;
   const int n = step.body.points();
   const Scalars &opening = step.kicks.opening_mass(), &closing = step.kicks.closing_mass();
@@ -389,7 +389,7 @@ double SurfaceContact::loss(const StepView& step, const Points& v1, Exchange& ex
       const double force = 0.5 * (start_force_(p, axis) + step.spring(p, axis) + step.force(p, axis));
       lost += more * 0.5 * step.h * step.body.inverse_mass[p] * force;
     }
-  return lost + book_passed(v1, exchange);
+  return lost;
 }
 
 }  // namespace softffd

@@ -20,7 +20,7 @@
 /// While a body rests, rolls or sways on one plane they do for nearly every step (surface_hold.cpp). The closing begins with those of the
 /// drift: of crowded samples many would carry the body as well, and friction on others could not hold what those hold.
 #pragma once
-#include "contact/contact.hpp"
+#include "contact/pin_impulses.hpp"
 #include "contact/surface/sample_rows.hpp"
 #include "contact/surface/sample_search.hpp"
 #include "contact/surface/surface_stage.hpp"
@@ -33,8 +33,7 @@ inline double largest_speed(const Points& v) { return kernels::largest(v.size(),
 
 class SurfaceContact {
  public:
-  /// asks_loss: `loss` is asked for after each step that wants it; else what contact takes is seen at once, by the velocities.
-  SurfaceContact(const Body& body, int planes, bool asks_loss = true);
+  SurfaceContact(const Body& body, int planes);
 
   /// Moves the body out of planes at a communication point; velocities stay. As a whole where nothing is pinned and that does; the rest is
   /// pushed in. Sets `moved` if there was any.
@@ -58,10 +57,8 @@ class SurfaceContact {
                    Exchange& exchange);
   StepStatus close(const StepView& step, Points& v, SurfaceRows& rows, std::vector<FreeState>& free, Exchange& exchange);
   /// Energy that contact took in the step that `close` has ended, less the work of the obstacles' own motion [J], where kicks are those of
-  /// kick.hpp; what points of free pins passed on to their parts in it is booked as work. v1: velocities at its end.
-  double loss(const StepView& step, const Points& v1, Exchange& exchange) const;
-  /// The last of these alone [J], where `loss` is not asked for.
-  double book_passed(const Points& v1, Exchange& exchange) const;
+  /// kick.hpp. v1: velocities at its end.
+  double loss(const StepView& step, const Points& v1) const;
   /// Where it is not asked for, nothing is kept for it.
   static bool wants_loss(const StepView& step) { return step.around.watch || !step.body.damped; }
   /// Is anything there for `hold`? Where not, it would leave all velocities as they are.
@@ -126,8 +123,8 @@ class SurfaceContact {
     return own(row) ? tangent_of(row).velocity : samples_.at(row.sample, v);
   }
   void find_speeds(const Points& v, int but = -1);
-  double book(const StepView& step, const SurfaceStage& stage, double per_force, const Points& v, Exchange& exchange);
-  double give_pins(const StepView& step, const SurfaceStage& stage, double per_force, const Points& v, Exchange& exchange);
+  double book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
+  double give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
   // surface_hold.cpp
   bool recall(const std::vector<Count>& numbers, SurfaceStage& stage) const;
   bool hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
@@ -181,10 +178,9 @@ class SurfaceContact {
   Scalars weights_;                    ///< of a sample
   Points given_;                       ///< by obstacles to the control points [N s]
   Points start_v_, start_force_;       ///< at the start of a step with contact
-  Points passed_;                      ///< by points of free pins to their parts, of what obstacles give them [N s]; empty without any
+  PinImpulses pins_;                   ///< of what obstacles give pinned points
   bool near_ = false;                  ///< a control point is behind a plane, or a sample was on one
   std::vector<unsigned char> behind_;  ///< which
-  bool asks_loss_;                     ///< `loss` is asked for
   Points room_;                        ///< of the surface's hull
   bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
   bool lands_ = false;                 ///< any sample does

@@ -14,9 +14,8 @@ void SurfaceContact::find_places(const SurfaceStage& stage, const Points& x1) {
   }
 }
 
-/// Impulses of a stage with forces times per_force [N s], after which the velocities are v. Returns the work of the own motion of obstacles
-/// and pins [J].
-double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, double per_force, const Points& v, Exchange& exchange) {
+/// Impulses of a stage with forces times per_force [N s]. Returns the work of the own motion of obstacles and pins [J].
+double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
   double work = 0;
   Impulse taken;
   for (std::size_t t = 0; t < stage.rows.size(); ++t) {
@@ -35,7 +34,7 @@ double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, dou
     taken = {};
   }
   exchange.work += work;
-  return step.around.pins.empty() ? work : work + give_pins(step, stage, per_force, v, exchange);
+  return step.around.pins.empty() ? work : work + give_pins(step, stage, per_force, exchange);
 }
 
 /// Free bodies yield to the rows of the next stage, which are at x; without any nothing of them is looked at.
@@ -146,9 +145,8 @@ double SurfaceContact::book_own(const StepView& step, const SurfaceRow& row, con
 }
 
 /// Pins take what obstacles give the points that they hold: of each sample the share that its weights give these. Points of free pins keep
-/// what moves them; what they pass on works as contact does, along the mean of the velocities before and after the step where that is
-/// asked for, else the stage. Returns the work of the pins' own motion [J].
-double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage, double per_force, const Points& v, Exchange& exchange) {
+/// what moves them. Returns the work of the pins' own motion [J].
+double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
   const Scalars& mass = &stage == &drift_ ? step.kicks.opening_mass() : step.kicks.closing_mass();
   const int n = step.body.points();
   weights_.resize(samples_.support());
@@ -161,29 +159,11 @@ double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage
   }
   double work = 0;
   step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {
-    Vec3 impulse = -row(given_, held.point), velocity = held.velocity();
-    if (step.around.pins[held.pin].own) {
-      const Vec3 change = per_force * row(stage.move(), held.point);
-      impulse += mass[held.point] * change;
-      velocity = row(v, held.point) - 0.5 * change;
-      if (asks_loss_ ? wants_loss(step) : step.around.watch) {
-        exchange.pins[held.pin].add(-impulse, held.arm);
-        passed_.row(held.point) += impulse.transpose().array();
-        return;
-      }
-    }
-    exchange.push(exchange.pins[held.pin], impulse, held.arm, velocity);
-    work += impulse.dot(velocity);
+    Vec3 impulse = -row(given_, held.point);
+    if (step.around.pins[held.pin].own) impulse += mass[held.point] * (per_force * row(stage.move(), held.point));
+    work += pins_.give(step, held, impulse, held.velocity(), exchange);
   });
   return work;
-}
-
-/// Work of what points of free pins have passed on in the step, along the mean of the velocities before and after it [J].
-double SurfaceContact::book_passed(const Points& v1, Exchange& exchange) const {
-  if (passed_.rows() == 0 || touching_.empty()) return 0;
-  const double passed = 0.5 * (passed_ * (start_v_ + v1)).sum();
-  exchange.work += passed;
-  return passed;
 }
 
 }  // namespace softffd
