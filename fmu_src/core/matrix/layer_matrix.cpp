@@ -26,6 +26,8 @@ int LayerMatrix::points_per_layer(const Lattice& lattice) {
   return planes_of_layer(lattice) * (lattice.points() / lattice.counts[axis_with_most_points(lattice)]);
 }
 
+int LayerMatrix::padded(int unknowns) { return (unknowns + width - 1) / width * width; }
+
 void LayerMatrix::Free::operator()(double* values) const { ::operator delete[](values, cache_line); }
 
 LayerMatrix::LayerMatrix(const Lattice& lattice)
@@ -33,10 +35,9 @@ LayerMatrix::LayerMatrix(const Lattice& lattice)
       planes_per_layer_(planes_of_layer(lattice)),
       layers_((lattice.counts[axis_] + planes_per_layer_ - 1) / planes_per_layer_),
       points_per_layer_(points_per_layer(lattice)),
-      filled_(layers_, 0) {
-  size_ = (3 * points_per_layer_ + width - 1) / width * width;
+      size_(padded(3 * points_per_layer_)),
+      points_(layers_, 0) {
   stride_ = 2 * size_ + width;  // the spare width keeps columns of large lattices off each other's cache sets
-  axis_stride_ = points_per_layer_ * stride_;
   const std::size_t unknowns = std::size_t(layers_) * size_;
   values_.reset(static_cast<double*>(::operator new[](unknowns * stride_ * sizeof(double), cache_line)));
   inverse_diagonal_ = vector_ = Scalars::Zero(unknowns);
@@ -46,7 +47,7 @@ LayerMatrix::LayerMatrix(const Lattice& lattice)
     for (int j = 0; j < lattice.counts[1]; ++j)
       for (int i = 0; i < lattice.counts[0]; ++i) {
         const int layer = (axis_ == 0 ? i : axis_ == 1 ? j : k) / planes_per_layer_;
-        const int unknown = layer * size_ + filled_[layer]++, p = lattice.index(i, j, k);
+        const int unknown = layer * size_ + points_[layer]++, p = lattice.index(i, j, k);
         first_[p] = unknown;
         column_[p] = unknown * stride_ - layer * size_;
       }
@@ -54,14 +55,13 @@ LayerMatrix::LayerMatrix(const Lattice& lattice)
 
 void LayerMatrix::clear() {
   for (int l = 0; l < layers_; ++l)
-    for (int j = 0; j < size_; ++j) {
+    for (int j = 0; j < columns(l); ++j) {
       double* column = layer(l) + j * stride_;
       std::fill(column + j / width * width, column + rows(l), 0.0);  // what is above the diagonal's panel has no meaning
     }
   vector_.setZero();  // the padding may hold NaN of a matrix that was not positive definite
   for (int l = 0; l < layers_; ++l)
-    for (int i = 0; i < size_; ++i)
-      if (i >= 3 * points_per_layer_ || i % points_per_layer_ >= filled_[l]) layer(l)[i * stride_ + i] = 1;
+    for (int i = 3 * points_[l]; i < columns(l); ++i) layer(l)[i * stride_ + i] = 1;
 }
 
 Mat3 LayerMatrix::block(int p, int q) const {
@@ -74,10 +74,10 @@ Mat3 LayerMatrix::block(int p, int q) const {
 void LayerMatrix::factor() {
   for (int l = 0; l < layers_; ++l) {
     double* here = layer(l);
-    for (int j = 0; j < size_; j += width) {
+    for (int j = 0; j < columns(l); j += width) {
       double* panel = here + j * stride_ + j;
       const int blocks = (rows(l) - j) / width;
-      if (l > 0) kernels::subtract_products((size_ - j) / width, size_, stride_, layer(l - 1) + size_ + j, panel);
+      if (l > 0) kernels::subtract_products((columns(l) - j) / width, size_, stride_, layer(l - 1) + size_ + j, panel);
       kernels::subtract_products(blocks, j, stride_, here + j, panel);
       kernels::factor_panel(blocks, stride_, panel, inverse_diagonal_.data() + l * size_ + j);
     }
@@ -89,9 +89,9 @@ void LayerMatrix::solve(Points& b) {
   for (int a = 0; a < 3; ++a)
     for (int p = 0; p < points; ++p) vector_[unknown(p, a)] = b(p, a);
   for (int l = 0, i = 0; l < layers_; ++l, i += size_)
-    kernels::solve_lower(size_, rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vector_.data() + i);
+    kernels::solve_lower(columns(l), rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vector_.data() + i);
   for (int l = layers_ - 1, i = l * size_; l >= 0; --l, i -= size_)
-    kernels::solve_upper(size_, rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vector_.data() + i);
+    kernels::solve_upper(columns(l), rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vector_.data() + i);
   for (int a = 0; a < 3; ++a)
     for (int p = 0; p < points; ++p) b(p, a) = vector_[unknown(p, a)];
 }
@@ -107,9 +107,9 @@ void LayerMatrix::solve_together(std::span<Points* const> sides) {
   };
   visit([](double from, double& to) { to = from; });
   for (int l = 0, i = 0; l < layers_; ++l, i += size_)
-    kernels::solve_lower_together(size_, rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vectors_.data() + i * together);
+    kernels::solve_lower_together(columns(l), rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vectors_.data() + i * together);
   for (int l = layers_ - 1, i = l * size_; l >= 0; --l, i -= size_)
-    kernels::solve_upper_together(size_, rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vectors_.data() + i * together);
+    kernels::solve_upper_together(columns(l), rows(l), stride_, layer(l), inverse_diagonal_.data() + i, vectors_.data() + i * together);
   visit([](double& to, double from) { to = from; });
 }
 

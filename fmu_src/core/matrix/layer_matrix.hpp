@@ -1,6 +1,6 @@
 /// Symmetric positive definite matrices of the lattice: every point meets its neighbours within one cell, so that with the points counted
 /// layer by layer the matrix is block tridiagonal, and so is its Cholesky factor. Nodes of a solid meet those of their patches: a layer is
-/// three planes of them, from the beginning of a patch to before the next, and the last one plane.
+/// three planes of them, from the beginning of a patch to before the next, and the last one plane, whose blocks are narrower.
 ///
 /// Layers are taken across the axis with the most points (the last of those with as many), which makes them smallest. Unknowns run layer by
 /// layer; inside a layer first the x of all its points, then y, then z, points in the order of their flat index. Each layer is padded
@@ -46,7 +46,7 @@ class LayerMatrix {
     visit(p, q, [&](int a, int b, double& entry) { entry += block(a, b); });
   }
   /// Index of coordinate a of point p among the unknowns.
-  int unknown(int p, int a) const { return first_[p] + a * points_per_layer_; }
+  int unknown(int p, int a) const { return first_[p] + a * points_in_layer(p); }
 
   /// Cholesky factor in place. Of a matrix that is not positive definite to rounding it has NaN in it.
   void factor();
@@ -66,17 +66,17 @@ class LayerMatrix {
   };
   std::size_t place(int p, int a, int q, int b) const {
     const int i = unknown(p, a), j = unknown(q, b);
-    return i < j ? column_[p] + a * axis_stride_ + j : column_[q] + b * axis_stride_ + i;
+    return i < j ? column_[p] + a * points_in_layer(p) * stride_ + j : column_[q] + b * points_in_layer(q) * stride_ + i;
   }
   /// Every entry of a block once. Where the points are in two layers all are in the columns of one of them: which is asked once a block.
   template <class Visit>
   void visit(int p, int q, Visit visit) {
-    const int n = points_per_layer_, i = first_[p], j = first_[q];
+    const int n = points_per_layer_, n_p = points_in_layer(p), n_q = points_in_layer(q), i = first_[p], j = first_[q];
     double *of_p = values_.get() + column_[p] + j, *of_q = values_.get() + column_[q] + i;
     const auto each = [&](auto is_below, auto is_wanted) {
       for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b)
-          if (is_wanted(a, b)) visit(a, b, is_below(a, b) ? of_p[a * axis_stride_ + b * n] : of_q[b * axis_stride_ + a * n]);
+          if (is_wanted(a, b)) visit(a, b, is_below(a, b) ? of_p[a * n_p * stride_ + b * n_q] : of_q[b * n_q * stride_ + a * n_p]);
     };
     const auto always = [](int, int) { return true; };
     if (j - i >= n)
@@ -89,12 +89,16 @@ class LayerMatrix {
       each([](int a, int b) { return a < b; }, [same = i == j](int a, int b) { return !same || b <= a; });
   }
   double* layer(int layer) { return values_.get() + std::size_t(layer) * size_ * stride_; }
-  int rows(int layer) const { return layer + 1 < layers_ ? 2 * size_ : size_; }
+  int points_in_layer(int p) const { return points_[first_[p] / size_]; }
+  /// Unknowns of a layer with padding.
+  int columns(int layer) const { return padded(3 * points_[layer]); }
+  int rows(int layer) const { return layer + 1 < layers_ ? size_ + columns(layer + 1) : columns(layer); }
+  static int padded(int unknowns);
 
-  int axis_, planes_per_layer_, layers_, points_per_layer_, size_;  ///< size: unknowns per layer with padding
-  std::size_t stride_, axis_stride_;                                ///< between columns; between those of a point's coordinates
+  int axis_, planes_per_layer_, layers_, points_per_layer_, size_;  ///< size: unknowns of the first layers with padding
+  std::size_t stride_;                                              ///< between columns
   std::vector<int> first_;                                          ///< (points) unknown of the x coordinate
-  std::vector<int> filled_;                                         ///< points of each layer
+  std::vector<int> points_;                                         ///< of each layer
   std::vector<std::size_t> column_;                                 ///< (points) where the column of the x coordinate would have row 0
   std::unique_ptr<double[], Free> values_;                          ///< columns
   Scalars inverse_diagonal_, vector_;                               ///< (unknowns)
