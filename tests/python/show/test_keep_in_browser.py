@@ -26,7 +26,7 @@ def opened(tmp_path):
     def open_page(script: str = "") -> Browser:
         page = write_view(made_up_run(title="Ärger: 60 % <b>"), tmp_path / "view.html")
         page.write_text(page.read_text("utf-8").replace("<title>", f"<script>{script}</script><title>"), "utf-8")
-        browser = Browser(page, tmp_path, width=1000, height=600, hash="#t=1.2")
+        browser = Browser(page, width=1000, height=600, hash="#t=1.2")
         browser.wait_for("typeof shown !== 'undefined' && shown !== null")
         return browser
 

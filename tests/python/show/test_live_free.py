@@ -88,7 +88,7 @@ def test_the_mouse_draws_a_free_body_and_does_not_turn_it(paged, scene, tmp_path
     require_browser()
     page = paged(scene.replace({"environment.gravity": None, "sphere": None}))
     crate = "live.open.parts.findIndex(part => part.label === 'crate')"
-    with Browser(page, tmp_path) as browser:
+    with Browser(page) as browser:
         browser.wait_for("typeof source === 'object' && !!now.outputs")
         x, y = browser.ask(
             f"(place => [canvas.offsetLeft + place[0] * canvas.clientWidth, canvas.offsetTop + place[1] * canvas.clientHeight])"

@@ -42,7 +42,7 @@ def on_screen(browser: Browser, place: str) -> list[float]:
 
 @pytest.mark.full
 def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, pages):
-    with Browser(pages("press"), tmp_path) as browser:
+    with Browser(pages("press")) as browser:
         ready(browser)
         edge, lower = on_screen(browser, EDGE), on_screen(browser, f"plus({EDGE}, 0.3, {PRESS}.normal)")
         browser.drag(edge, lower)
@@ -102,7 +102,7 @@ def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, pages):
 
 @pytest.mark.full
 def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, pages):
-    with Browser(pages("press"), tmp_path, width=390, height=844, mobile=True) as browser:
+    with Browser(pages("press"), width=390, height=844, mobile=True) as browser:
         ready(browser)
         assert not browser.ask("element('panel').open")
         edge = on_screen(browser, EDGE)
@@ -125,7 +125,7 @@ def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, pages):
 
 @pytest.mark.full
 def test_the_car_is_crushed_by_a_finger_and_its_force_is_read_and_repeated(tmp_path, pages):
-    with Browser(pages("car_drop"), tmp_path, width=390, height=844, mobile=True) as browser:
+    with Browser(pages("car_drop"), width=390, height=844, mobile=True) as browser:
         ready(browser)
         bumper = "run.bodies[0].planes.find(plane => plane.name === 'bumper').now"
         edge = on_screen(
@@ -156,7 +156,7 @@ def test_the_car_is_crushed_by_a_finger_and_its_force_is_read_and_repeated(tmp_p
 def test_loads_are_pulled_and_obstacles_turned_by_pointer_and_keys(tmp_path, pages):
     scene = load_scene("press").replace({"load": [{"name": "push", "points": "x+"}]})
     pages("press")  # the library is there
-    with Browser(write_live(scene, tmp_path / "live.html"), tmp_path, width=1000, height=700) as browser:
+    with Browser(write_live(scene, tmp_path / "live.html"), width=1000, height=700) as browser:
         ready(browser)
         browser.ask("set_playing(false)")
         browser.wait_for("asked === null && shown !== null")
@@ -206,7 +206,7 @@ def test_loads_are_pulled_and_obstacles_turned_by_pointer_and_keys(tmp_path, pag
 @pytest.mark.parametrize("name", ["press", "car_drop", "beam", "stiff_layer"])
 def test_colours_of_cells_are_those_of_a_run(tmp_path, pages, name):
     """Stress and stretch of a pulled body, to a step of the 255 of the scale."""
-    with Browser(pages(name), tmp_path, width=300, height=300) as browser:
+    with Browser(pages(name), width=300, height=300) as browser:
         ready(browser)
         browser.ask("set_playing(false)")
         browser.wait_for("asked === null && element('frame').textContent === 'paused'")

@@ -16,8 +16,6 @@ from softffd.show.tension import tension_of
 from softffd.show.view import write_view, write_views
 from solids import solid
 
-pytestmark = pytest.mark.usefixtures("plain_pages")
-
 FOOT = {"name": "foot", "on": "z-", "taxels": [3, 2]}
 BACK = {"name": "back", "on": "x-", "taxels": [2, 5]}
 CORNER = {"name": "corner", "on": {"box": [[0, 0, 0], [0.001, 0.001, 0.001]]}, "taxels": [1, 1]}
@@ -100,8 +98,7 @@ def test_the_live_page_lists_what_sensors_feel(felt):
 
 def test_the_page_draws_the_pressure_and_the_maps(felt, tmp_path):
     require_browser()
-    browser = Browser(write_view(felt, tmp_path / "view.html"), tmp_path, hash="#t=0.2&colour=contact_pressure")
-    try:
+    with Browser(write_view(felt, tmp_path / "view.html"), hash="#t=0.2&colour=contact_pressure") as browser:
         browser.wait_for("typeof shown !== 'undefined' && shown !== null")
         maps = "[...document.querySelectorAll('.row canvas')]"
         assert browser.ask(f"{maps}.map(map => [map.width, map.height])") == [[3, 2], [2, 5]]
@@ -112,5 +109,3 @@ def test_the_page_draws_the_pressure_and_the_maps(felt, tmp_path):
         one_step = np.abs(np.diff(ramp, axis=0)).max()  # shares are rounded, and then colours
         assert np.abs(drawn - ramp[np.round(shares * (len(ramp) - 1)).astype(int)]).max() <= one_step
         assert browser.ask("element('largest').textContent").endswith("Pa") and not browser.errors
-    finally:
-        browser.close()

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import browser
 from browser import Browser, require_browser
 from made_up_run import made_up_run
 from softffd.show.view import write_view, write_views
@@ -37,7 +36,7 @@ def blue(picture, columns):
 def test_two_runs_have_one_clock_one_camera_and_a_picture_each(tmp_path):
     runs = {"whole": made_up_run(), "short": short(made_up_run(), 21)}
     page = write_views(runs, tmp_path / "both.html")
-    with Browser(page, tmp_path, width=1200, height=600, hash="#t=1.4&colour=paint") as opened:
+    with Browser(page, width=1200, height=600, hash="#t=1.4&colour=paint") as opened:
         opened.wait_for(READY)
         opened.shot(tmp_path / "both.png")
         assert all(blue(tmp_path / "both.png", columns) > 0.03 for columns in (slice(0, 460), slice(480, 930)))
@@ -56,7 +55,7 @@ def test_components_are_in_one_picture_where_they_are_in_the_world(tmp_path):
     other = made_up_run()
     other = replace(other, positions=other.positions + np.array([0, 0, 3.0]), inputs={}, parameters={}, outputs={})
     page = write_views({"lower": made_up_run(), "upper": other}, tmp_path / "both.html", together=True)
-    with Browser(page, tmp_path, width=900, height=600, hash="#t=1.2") as opened:
+    with Browser(page, width=900, height=600, hash="#t=1.2") as opened:
         opened.wait_for(READY)
         assert opened.ask("PANES.length") == 1
         lower, upper = opened.ask("bodies.map(body => [0, 1, 2].map(a => body.texels[a]))")
@@ -68,7 +67,7 @@ def test_components_are_in_one_picture_where_they_are_in_the_world(tmp_path):
 @pytest.mark.full
 def test_an_obstacle_is_hatched_and_named_from_its_solid_side(tmp_path):
     page = write_view(made_up_run(), tmp_path / "view.html")
-    with Browser(page, tmp_path, hash="#t=0") as opened:
+    with Browser(page, hash="#t=0") as opened:
         opened.wait_for(READY)
         dark = []
         for pitch, name in ((0.4, "press"), (-0.4, "ground")):
@@ -83,10 +82,9 @@ def test_an_obstacle_is_hatched_and_named_from_its_solid_side(tmp_path):
 
 
 @pytest.mark.full
-def test_without_webgl_there_is_the_still_picture_of_each_run(tmp_path, monkeypatch):
-    monkeypatch.setattr(browser, "FLAGS", [*browser.FLAGS, "--disable-3d-apis"])
+def test_without_webgl_there_is_the_still_picture_of_each_run(as_shipped, tmp_path):
     page = write_views({"a": made_up_run(), "b": made_up_run()}, tmp_path / "both.html")
-    with Browser(page, tmp_path, width=700, height=900) as opened:
+    with Browser(page, "--disable-3d-apis", width=700, height=900) as opened:
         shown = opened.wait_for(
             "document.body?.classList.contains('still') && [...document.images].map(each => [each.clientWidth, each.naturalWidth])"
         )

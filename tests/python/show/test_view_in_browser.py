@@ -1,7 +1,7 @@
 import base64
 import json
 import re
-import subprocess
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 from scipy.spatial import cKDTree
 
-from browser import CHROMIUM, FLAGS, require_browser
+from browser import Browser, require_browser
 from made_up_run import ORIGIN, SIZE, made_up_run, with_solids
 from pages import page_of_two_colours, run_of
 from softffd.embedding.basis import parameter
@@ -18,19 +18,7 @@ from softffd.scene.rigid import Sphere
 from softffd.show.stage import stage_of
 from softffd.show.view import write_view
 
-LOOK = ["--window-size=900,600", "--virtual-time-budget=2000"]
-needs_browser = pytest.mark.usefixtures("browser")
-
-
-@pytest.fixture
-def browser():
-    require_browser()
-
-
-ASK_THE_SHADER = """
-<pre id="answer"></pre><script>
-setTimeout(function ask() {
-if (shown === null) return setTimeout(ask, 20);
+ASK_THE_SHADER = """(() => {
 const [body] = bodies, asked = gl.createProgram(), outputs = ["world", "shading", "displacement", "strain"];
 gl.attachShader(asked, shader(gl.VERTEX_SHADER, body.heading + SOURCES.volume + SOURCES["object-vertex"]));
 gl.attachShader(asked, shader(gl.FRAGMENT_SHADER, "#version 300 es" + SOURCES["object-fragment"]));
@@ -57,16 +45,11 @@ for (const time of TIMES) {
   gl.getBufferSubData(gl.TRANSFORM_FEEDBACK_BUFFER, 0, found);
   answers.push(Array.from(found));
 }
-document.getElementById("answer").textContent = JSON.stringify(answers);
-});
-</script>
-"""
+return answers;
+})()"""
 
 
-USE_THE_CONTROLS = """
-<pre id="answer"></pre><script>
-setTimeout(function ask() {
-if (shown === null) return setTimeout(ask, 20);
+USE_THE_CONTROLS = """(() => {
 function after(key, what) {
   document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
   return what();
@@ -102,66 +85,73 @@ canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -100 }));
 answer.zoomed = camera.distance < before.distance;
 element("reset").click();
 answer.reset = camera.yaw === before.yaw && Math.abs(camera.distance - before.distance) < 1e-9;
-document.getElementById("answer").textContent = JSON.stringify(answer);
-});
-</script>
-"""
+return answer;
+})()"""
 
 
-def chromium(page, folder, *arguments, without_3d=False):
-    flags = [*FLAGS, *LOOK, f"--user-data-dir={folder / 'profile'}", *(["--disable-3d-apis"] if without_3d else [])]
-    done = subprocess.run([CHROMIUM, *flags, *arguments, page], capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr[-2000:]
-    return done.stdout
+READY = "typeof shown !== 'undefined' && shown !== null"
+DRAWN = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))"
 
 
-@needs_browser
-@pytest.mark.short("True")
-@pytest.mark.parametrize("shown", [True, False])
-def test_browser_draws_solids(tmp_path, shown):
+@contextmanager
+def opened(page, hash):
+    require_browser()
+    with Browser(page, hash=hash) as browser:
+        browser.wait_for(READY)
+        yield browser
+        assert not browser.errors
+
+
+def colours(browser, folder, rows=slice(None), columns=slice(0, 620)):
+    """Red, green and blue of what the page shows there."""
+    browser.ask(DRAWN)
+    browser.shot(folder / "shot.png")
+    return np.moveaxis(np.asarray(Image.open(folder / "shot.png").convert("RGB"))[rows, columns] / 255.0, 2, 0)
+
+
+def test_browser_draws_solids_until_obstacles_are_hidden(tmp_path):
     ball = Sphere(name="ball", radius=0.5, point=(0.0, -1.0, 0.7))
     result = replace(made_up_run(), inputs={}, parameters={})
-    page, shot = write_view(with_solids(result, ball), tmp_path / "view.html"), tmp_path / "shot.png"
-    if not shown:
-        page.write_text(page.read_text("utf-8").replace("obstacles: true", "obstacles: false"), "utf-8")
-    chromium(f"file://{page}#t=1.2", tmp_path, f"--screenshot={shot}")
-    red, green, blue = np.moveaxis(np.asarray(Image.open(shot).convert("RGB"))[80:450, 50:620] / 255.0, 2, 0)
-    grey = (red > 0.3) & (red < 0.75) & (np.abs(blue - red) < 0.12) & (np.abs(green - red) < 0.08)
-    assert (grey.sum() > 8000) == shown
+    with opened(write_view(with_solids(result, ball), tmp_path / "view.html"), "#t=1.2") as browser:
+        for shown in (True, False):
+            red, green, blue = colours(browser, tmp_path, slice(80, 450), slice(50, 620))
+            grey = (red > 0.3) & (red < 0.75) & (np.abs(blue - red) < 0.12) & (np.abs(green - red) < 0.08)
+            assert (grey.sum() > 8000) == shown
+            browser.ask("toggle('obstacles')")
 
 
-@needs_browser
-@pytest.mark.short("True")
-@pytest.mark.parametrize("shown", [True, False])
-def test_browser_draws_dots_and_arrows_in_yellow(tmp_path, shown):
-    page, shot = write_view(made_up_run(), tmp_path / "view.html"), tmp_path / "shot.png"
-    if not shown:
-        page.write_text(page.read_text("utf-8").replace("contacts: true", "contacts: false"), "utf-8")
-    chromium(f"file://{page}#t=1.2", tmp_path, f"--screenshot={shot}")
-    red, green, blue = np.moveaxis(np.asarray(Image.open(shot).convert("RGB"))[80:520, 50:620] / 255.0, 2, 0)
-    yellow = np.argwhere((red > 0.9) & (green > 0.75) & (blue < 0.15))
-    assert len(yellow) > 600 if shown else len(yellow) == 0
-    if shown:  # one arrow goes up from the press, one down from the ground
-        assert np.ptp(yellow[:, 0]) > 150
+def test_browser_shows_object_lattice_and_ground_and_yellow_dots_and_arrows_until_contacts_are_hidden(tmp_path):
+    with opened(write_view(made_up_run(), tmp_path / "view.html"), "#t=1.2&colour=paint") as browser:
+        red, green, blue = colours(browser, tmp_path)
+        scene = np.s_[100:500, 50:620]
+        assert 0.05 < (blue - red > 0.25)[scene].mean() < 0.6 and 0.002 < (red - blue > 0.4)[scene].mean() < 0.2
+        ground = (np.stack([red, green, blue], axis=-1)[300:500, 50:620] * 255).reshape(-1, 3).astype(int)
+        assert len(np.unique(ground, axis=0)) > 200
+        assert browser.ask("element('message').hidden") and "1.20" in browser.ask("element('now').textContent")
+        for shown in (True, False):
+            browser.ask("set_colour('strain')")
+            red, green, blue = colours(browser, tmp_path, slice(80, 520), slice(50, 620))
+            yellow = np.argwhere((red > 0.9) & (green > 0.75) & (blue < 0.15))
+            assert len(yellow) > 600 if shown else len(yellow) == 0
+            if shown:  # one arrow goes up from the press, one down from the ground
+                assert np.ptp(yellow[:, 0]) > 150
+            browser.ask("toggle('contacts')")
 
 
-@needs_browser
 @pytest.mark.short("True")
 @pytest.mark.parametrize("folded", [False, True])
 def test_browser_colours_the_cells(tmp_path, folded):
     """The share of the scale 1 everywhere: the ramp's dark end; turned inside out: grey."""
-    page, shot = write_view(made_up_run(), tmp_path / "view.html"), tmp_path / "shot.png"
+    page = write_view(made_up_run(), tmp_path / "view.html")
     values = base64.b64encode(bytes([0, 255] if folded else [255, 0]) * (41 * 27)).decode()
     text = re.sub(r'("positions":"[^"]*","cells":\[")[^"]*', lambda match: match[1] + values, page.read_text("utf-8"))
     page.write_text(text.replace("lattice: CAGES", "lattice: false").replace("obstacles: true", "obstacles: false"), "utf-8")
-    shown = chromium(f"file://{page}#t=1.2&colour=von_mises", tmp_path, f"--screenshot={shot}", "--dump-dom")
-    assert "von Mises stress" in re.search(r'id="quantity">(.*?)<', shown)[1]
-    middle = np.asarray(Image.open(shot).convert("RGB"))[335:350, 240:300].reshape(-1, 3) / 255.0
-    red, _, blue = np.median(middle, axis=0)
-    assert abs(blue - red) < 0.08 if folded else blue - red > 0.2
+    with opened(page, "#t=1.2&colour=von_mises") as browser:
+        assert "von Mises stress" in browser.ask("element('quantity').textContent")
+        red, _, blue = np.median(colours(browser, tmp_path, slice(335, 350), slice(240, 300)), axis=(1, 2))
+        assert abs(blue - red) < 0.08 if folded else blue - red > 0.2
 
 
-@needs_browser
 @pytest.mark.short("counts2-bspline")
 @pytest.mark.parametrize(
     ("counts", "basis"),
@@ -171,10 +161,9 @@ def test_shader_evaluates_the_volume_its_normals_and_its_strain(tmp_path, counts
     result = made_up_run(counts=counts)
     result = replace(result, lattice=replace(result.lattice, basis=basis))
     page = write_view(result, tmp_path / "view.html")
-    question = ASK_THE_SHADER.replace("TIMES", json.dumps([0.0, 1.2, 1.225]))
-    page.write_text(page.read_text("utf-8").replace("</body>", question + "</body>"), "utf-8")
-    shown = chromium(f"file://{page}#t=0", tmp_path, "--dump-dom")
-    run, answers = run_of(page), json.loads(re.search(r'<pre id="answer">(.*?)</pre>', shown)[1])
+    with opened(page, "#t=0") as browser:
+        answers = browser.ask(ASK_THE_SHADER.replace("TIMES", json.dumps([0.0, 1.2, 1.225])))
+    run = run_of(page)
     rest, normals = places_at_rest(result, run["coordinates"]), run["normals"]
     smooth = np.ones(len(rest), bool) if basis != "patches" else apart_from_joints(rest, counts)
     frames = [result.positions[0], result.positions[24], (result.positions[24] + result.positions[25]) / 2]
@@ -215,39 +204,20 @@ def volume(rest, positions, basis):
     return deform(np.clip(rest, ORIGIN, ORIGIN + SIZE), positions, **box), np.stack(columns, axis=-1)
 
 
-@needs_browser
-def test_browser_shows_object_lattice_and_ground_and_no_error(tmp_path):
-    page = write_view(made_up_run(), tmp_path / "view.html")
-    shot = tmp_path / "shot.png"
-    chromium(f"file://{page}#t=1.2&colour=paint", tmp_path, f"--screenshot={shot}")
-    image = np.asarray(Image.open(shot).convert("RGB")) / 255.0
-    scene = image[100:500, 50:620]
-    blue = (scene[..., 2] - scene[..., 0] > 0.25).mean()
-    orange = (scene[..., 0] - scene[..., 2] > 0.4).mean()
-    assert 0.05 < blue < 0.6 and 0.002 < orange < 0.2
-    assert len(np.unique((scene[300:] * 255).reshape(-1, 3).astype(int), axis=0)) > 200
-    lit = chromium(f"file://{page}#t=1.2", tmp_path, "--dump-dom")
-    assert re.search(r'id="message"[^>]* hidden', lit) and "1.20" in re.search(r'<b id="now">(.*?)</b>', lit)[1]
-
-
-@needs_browser
 @pytest.mark.short("pictures.glb")
 @pytest.mark.parametrize("name", ["kd.obj", "pictures.glb"])
 def test_browser_shows_the_colours_of_the_mesh(name, tmp_path):
-    shot = tmp_path / "shot.png"
-    chromium(f"file://{page_of_two_colours(tmp_path, name)[1]}#t=1", tmp_path, f"--screenshot={shot}")
-    red, green, blue = np.moveaxis(np.asarray(Image.open(shot).convert("RGB"))[80:520, :620] / 255.0, 2, 0)
+    with opened(page_of_two_colours(tmp_path, name)[1], "#t=1") as browser:
+        red, green, blue = colours(browser, tmp_path, slice(80, 520))
     reddish, greenish = np.argwhere(red > 2 * np.maximum(green, blue)), np.argwhere(green > 1.3 * np.maximum(red, blue))
     assert len(reddish) > 3000 and len(greenish) > 3000
     assert np.median(greenish[:, 0]) < np.median(reddish[:, 0])
 
 
-@needs_browser
 def test_keys_buttons_and_pointers_do_what_they_say(tmp_path):
-    page = write_view(made_up_run(), tmp_path / "view.html")
-    page.write_text(page.read_text("utf-8").replace("</body>", USE_THE_CONTROLS + "</body>"), "utf-8")
-    shown = chromium(f"file://{page}#t=1", tmp_path, "--dump-dom")
-    assert json.loads(re.search(r'<pre id="answer">(.*?)</pre>', shown)[1]) == {
+    with opened(write_view(made_up_run(), tmp_path / "view.html"), "#t=1") as browser:
+        answer = browser.ask(USE_THE_CONTROLS)
+    assert answer == {
         "space": [False, True, "Pause"],
         "late_frame": 1.0,
         "frames": [1.05, 1.0, 0.0, 2.0],
@@ -262,9 +232,10 @@ def test_keys_buttons_and_pointers_do_what_they_say(tmp_path):
     }
 
 
-@needs_browser
 def test_browser_without_webgl_says_what_is_missing(tmp_path):
     page = write_view(made_up_run(), tmp_path / "view.html")
-    shown = chromium(f"file://{page}", tmp_path, "--dump-dom", without_3d=True)
-    assert "WebGL 2" in re.search(r'id="message"[^>]*>(.*?)</div>', shown, re.S)[1]
-    assert not re.search(r'id="message"[^>]* hidden', shown) and re.search(r'id="bar"[^>]* hidden', shown)
+    require_browser()
+    with Browser(page, "--disable-3d-apis") as browser:
+        browser.wait_for("document.readyState === 'complete'")
+        assert "WebGL 2" in browser.ask("document.getElementById('message').textContent")
+        assert browser.ask("['message', 'bar'].map(each => document.getElementById(each).hidden)") == [False, True]
