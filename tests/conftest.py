@@ -13,6 +13,7 @@ import gzip
 import json
 import os
 import signal
+import zipfile
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -119,6 +120,28 @@ def pytest_runtest_makereport(item):
     report.of_long_test, report.spent = is_long(item), spent - getattr(item.config, "spent", spent)
     item.config.spent = spent
     return report
+
+
+def plain_files(patch: pytest.MonkeyPatch) -> None:
+    """Files that are written in a third of the time: pages without the still picture, which is the one that a run draws for itself too, and
+    FMUs that are packed but not compressed."""
+    patch.setattr("softffd.show.view._still", lambda _result: "")
+    patch.setattr("softffd.fmu.archive.ZIP_DEFLATED", zipfile.ZIP_STORED)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def files():
+    with pytest.MonkeyPatch.context() as patch:
+        plain_files(patch)
+        yield patch
+
+
+@pytest.fixture
+def as_shipped(files):
+    """Files are written as users have them."""
+    files.undo()
+    yield
+    plain_files(files)
 
 
 @pytest.fixture(scope="session")

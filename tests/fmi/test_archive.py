@@ -46,7 +46,7 @@ def test_the_licence_is_where_importers_look_and_names_whom_the_description_name
     assert root.get("license") == "BSD-2-Clause" and text.startswith("BSD 2-Clause License")
 
 
-def test_builds_are_byte_identical_and_their_date_is_that_of_the_sources_and_no_part_of_the_guid(tmp_path, monkeypatch):
+def test_builds_are_byte_identical_and_their_date_is_that_of_the_sources_and_no_part_of_the_guid(as_shipped, tmp_path, monkeypatch):
     def made(name: str) -> tuple[str, str, bytes]:
         fmu = package_fmu(box(), tmp_path / f"{name}.fmu")
         root = described(fmu)

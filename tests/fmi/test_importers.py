@@ -18,6 +18,8 @@ from importers import Missing, Run, Tool, drive, ecos, fmutool, vdmcheck
 from softffd import load_scene, package_fmu
 from softffd.scene.document import shipped_scenes
 
+pytestmark = pytest.mark.usefixtures("as_shipped")
+
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "importers.md"
 
 

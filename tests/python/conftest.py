@@ -22,12 +22,6 @@ def folder(tmp_path, monkeypatch) -> Path:
 
 
 @pytest.fixture
-def plain_pages(monkeypatch):
-    """Pages have no still pictures for browsers that cannot draw, which take most of the time to write one."""
-    monkeypatch.setattr("softffd.show.view._still", lambda _result: "")
-
-
-@pytest.fixture
 def hasty(monkeypatch):
     """Sweeps and references end after a tenth of the time that even --quick gives them."""
     monkeypatch.setattr(accuracy, "QUICK_BUDGET", 0.02)

@@ -16,8 +16,6 @@ from softffd.run.replay import replay_system
 from softffd.scene.document import SHIPPED
 from softffd.scene.scene import scene_from
 
-pytestmark = pytest.mark.usefixtures("plain_pages")
-
 
 @pytest.fixture
 def opened(tmp_path, monkeypatch) -> list[str]:

@@ -7,7 +7,7 @@ from softffd.fmu.archive import write_archive
 CONTENTS = {"resources/b.txt": b"b" * 5000, "modelDescription.xml": b"<a/>", "binaries/c": bytes(range(256)) * 40, "empty": b""}
 
 
-def test_zipfile_reads_what_was_put_in_and_finds_nothing_wrong(tmp_path):
+def test_zipfile_reads_what_was_put_in_and_finds_nothing_wrong(as_shipped, tmp_path):
     write_archive(tmp_path / "made" / "x.fmu", CONTENTS)
     with zipfile.ZipFile(tmp_path / "made" / "x.fmu") as archive:
         assert archive.testzip() is None
@@ -18,7 +18,7 @@ def test_zipfile_reads_what_was_put_in_and_finds_nothing_wrong(tmp_path):
         assert {info.compress_type for info in archive.infolist()} == {zipfile.ZIP_DEFLATED}
 
 
-def test_the_same_entries_give_the_same_bytes_in_any_order(tmp_path):
+def test_the_same_entries_give_the_same_bytes_in_any_order(as_shipped, tmp_path):
     write_archive(tmp_path / "one.fmu", CONTENTS)
     write_archive(tmp_path / "other.fmu", dict(reversed(CONTENTS.items())))
     assert (tmp_path / "one.fmu").read_bytes() == (tmp_path / "other.fmu").read_bytes()

@@ -18,8 +18,6 @@ from softffd import SoftffdError, simulate
 from softffd.run import result as results
 from softffd.show.stage import stage_of
 
-pytestmark = pytest.mark.usefixtures("plain_pages")
-
 
 @pytest.fixture(scope="module")
 def result():

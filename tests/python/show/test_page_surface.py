@@ -15,8 +15,6 @@ from softffd.show.stage import stage_of
 from softffd.show.surface import surface
 from softffd.show.view import write_view
 
-pytestmark = pytest.mark.usefixtures("plain_pages")
-
 
 def bumpy(around: int, down: int) -> tuple[np.ndarray, np.ndarray]:
     """A closed band in the box, its vertices and faces in no order."""

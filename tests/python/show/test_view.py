@@ -18,11 +18,8 @@ from softffd.show import view_body
 from softffd.show.skin import cage_surface
 from softffd.show.view import write_view, write_views
 
-pytestmark = pytest.mark.usefixtures("plain_pages")
 
-
-def test_page_needs_nothing_from_outside(tmp_path, monkeypatch):
-    monkeypatch.undo()  # with its still picture
+def test_page_needs_nothing_from_outside(as_shipped, tmp_path):
     page = write_view(made_up_run(), tmp_path / "view.html").read_text("utf-8")
     assert "http:" not in page and "https:" not in page and "{{" not in page
     assert not re.search(r'(src|href)="(?!data:)', page) and not re.search(r"\bimport\b|\bfetch\b|url\(", page)
