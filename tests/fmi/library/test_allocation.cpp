@@ -97,12 +97,14 @@ TEST(the_hook_sees_requests) {
 }
 
 TEST(steps_ask_for_no_memory_once_all_they_use_is_there) {
+  int of_all = 0;
   for (const Case& scene : cases())
     for (int method = 1; method <= softffd::fmi::method_count; ++method)
       for (bool ramped : {false, true}) {
         if (scene.stiff && method != 1 && method < 8) continue;
         const bool moved = scene.parts.find("load") != std::string::npos || scene.parts.find("wall") != std::string::npos;
         if (ramped && !moved) continue;  // the same run again
+        if (!check::thorough && scene.parts != everything && ++of_all % 3 > 0) continue;
         long first = 0, later = 0;
         count_step_requests(scene, method, ramped, first, later);
         if (first + later > 0)

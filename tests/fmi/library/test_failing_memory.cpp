@@ -101,7 +101,7 @@ TEST(refusals_survive_any_failing_request) {
 
 TEST(steps_and_resets_survive_any_failing_request) {
   const std::string uri = resources(everything);
-  for (int method : {1, 2, 3, 8, 9}) {
+  for (int method : check::some<int>(2, {1, 2, 3, 8, 9})) {
     const auto running = [&] { return started(uri, method, fmi2True); };
     every_request_may_fail("step", running, [](fmi2Component c) { return step(c, 0); });
     every_request_may_fail(

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 namespace check {
@@ -23,6 +24,15 @@ std::vector<Case> some(int every, const std::vector<Case>& cases) {
   std::vector<Case> chosen;
   for (std::size_t i = 0; i < cases.size(); i += thorough ? 1 : every) chosen.push_back(cases[i]);
   return chosen;
+}
+
+/// Each of the one with each of the other.
+template <class A, class B>
+std::vector<std::pair<A, B>> each_with(const std::vector<A>& some, const std::vector<B>& others) {
+  std::vector<std::pair<A, B>> cases;
+  for (const A& a : some)
+    for (const B& b : others) cases.emplace_back(a, b);
+  return cases;
 }
 
 struct Register {

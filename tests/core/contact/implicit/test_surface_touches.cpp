@@ -64,42 +64,39 @@ FallingBox pressed(FallingBox scene, double below) {
 }  // namespace
 
 TEST(a_cube_on_its_samples_presses_with_its_weight) {
-  for (const double mu : {0.0, 0.4})
-    for (const double k : check::some<double>(2, {1e5, 1e7, 1e9})) {
-      FallingBox scene = cube(k, 1);
-      scene.damp(0.02);
-      scene.around.planes[0].friction = mu;
-      CheckedRun runner(scene, 0.01, 3);
-      CHECK_NEAR(-runner.force(0, 0.01).z(), g, 1e-12 * g);
-      CHECK(scene.least_gap(runner.time) >= -1e-12);
-      CHECK(runner.method.halvings() == 0 && runner.method.iterations() < 330);
-    }
+  for (const auto [mu, k] : check::some(5, check::each_with<double, double>({0.0, 0.4}, {1e5, 1e7, 1e9}))) {
+    FallingBox scene = cube(k, 1);
+    scene.damp(0.02);
+    scene.around.planes[0].friction = mu;
+    CheckedRun runner(scene, 0.01, 3);
+    CHECK_NEAR(-runner.force(0, 0.01).z(), g, 1e-12 * g);
+    CHECK(scene.least_gap(runner.time) >= -1e-12);
+    CHECK(runner.method.halvings() == 0 && runner.method.iterations() < 330);
+  }
 }
 
 TEST(a_sphere_on_its_samples_comes_to_rest) {
-  for (const double mu : {0.0, 0.4})
-    for (const double k : check::some<double>(2, {1e5, 1e7, 1e9})) {
-      FallingBox scene = sphere(k, 1);
-      scene.damp(0.3);
-      scene.around.planes[0].friction = mu;
-      scene.state.x.col(2) -= scene.least_gap(0);
-      CheckedRun runner(scene, 0.01, 6);
-      CHECK_NEAR(-runner.force(0, 0.01).z(), g, 1e-11);
-      CHECK(scene.state.v.abs().maxCoeff() < 1e-10);
-      CHECK(runner.method.halvings() == 0);
-    }
+  for (const auto [mu, k] : check::some(5, check::each_with<double, double>({0.0, 0.4}, {1e5, 1e7, 1e9}))) {
+    FallingBox scene = sphere(k, 1);
+    scene.damp(0.3);
+    scene.around.planes[0].friction = mu;
+    scene.state.x.col(2) -= scene.least_gap(0);
+    CheckedRun runner(scene, 0.01, 6);
+    CHECK_NEAR(-runner.force(0, 0.01).z(), g, 1e-11);
+    CHECK(scene.state.v.abs().maxCoeff() < 1e-10);
+    CHECK(runner.method.halvings() == 0);
+  }
 }
 
 TEST(samples_stick_below_the_angle_of_friction_and_do_not_creep) {
-  for (const double k : {1e5, 1e9})
-    for (const int m : {4, 8}) {
-      FallingBox scene = cube(k, 1, m);
-      scene.incline(20);
-      CheckedRun runner(scene, 0.01, 1);
-      const Points settled = scene.state.x;
-      if (!runner.run(scene, 0.01, 4)) return;
-      CHECK((scene.state.x - settled).abs().maxCoeff() < 1e-12);
-    }
+  for (const auto [k, m] : check::some(3, check::each_with<double, int>({1e5, 1e9}, {4, 8}))) {
+    FallingBox scene = cube(k, 1, m);
+    scene.incline(20);
+    CheckedRun runner(scene, 0.01, 1);
+    const Points settled = scene.state.x;
+    if (!runner.run(scene, 0.01, 4)) return;
+    CHECK((scene.state.x - settled).abs().maxCoeff() < 1e-12);
+  }
 }
 
 TEST(samples_slide_above_it_with_the_right_acceleration) {
@@ -113,44 +110,41 @@ TEST(samples_slide_above_it_with_the_right_acceleration) {
 }
 
 TEST(a_sphere_in_a_groove_presses_both_sides_as_statics_have_it) {
-  for (const double degrees : check::some<double>(2, {90.0, 60.0, 30.0}))
-    for (const double k : {1e5, 1e9}) {
-      FallingBox scene = in_groove(k, degrees);
-      scene.damp(0.5);
-      CheckedRun runner(scene, 0.02, 20);
-      const double exact = 0.5 * g / std::sin(degrees / 2 * M_PI / 180);
-      for (int q = 0; q < 2; ++q) CHECK_NEAR(runner.force(q, 0.02).norm(), exact, 1e-5);
-    }
+  for (const auto [degrees, k] : check::some(5, check::each_with<double, double>({90.0, 60.0, 30.0}, {1e5, 1e9}))) {
+    FallingBox scene = in_groove(k, degrees);
+    scene.damp(0.5);
+    CheckedRun runner(scene, 0.02, 20);
+    const double exact = 0.5 * g / std::sin(degrees / 2 * M_PI / 180);
+    for (int q = 0; q < 2; ++q) CHECK_NEAR(runner.force(q, 0.02).norm(), exact, 1e-5);
+  }
 }
 
 TEST(what_lands_tumbles_and_rolls_loses_energy_alone_and_keeps_to_the_balances) {
-  for (const double mu : check::some<double>(2, {0.0, 0.4, 1.0}))
-    for (const double k : {1e5, 1e9}) {
-      FallingBox scene = cube(k, 1, 5);
-      scene.around.planes[0].friction = mu;
-      scene.turn({0.5, 0, 0});
-      scene.turn({0, 0.3, 0});
-      scene.state.x.col(2) -= scene.least_gap(0) - 0.02;
-      scene.throw_at({1, 0, 0}, {0, 2, 0});
-      CheckedRun runner(scene);
-      for (int i = 0; i < 150; ++i) {
-        if (!runner.step(scene, 0.01)) return;
-        const Vec3 force = -runner.force(0, 0.01);
-        CHECK(force.head<2>().norm() <= mu * force.z() * (1 + 1e-9) + 1e-9);
-        CHECK(runner.loss > -1e-3);  // off an edge backward Euler gains a little, as with control points
-      }
+  for (const auto [mu, k] : check::some(5, check::each_with<double, double>({0.0, 0.4, 1.0}, {1e5, 1e9}))) {
+    FallingBox scene = cube(k, 1, 5);
+    scene.around.planes[0].friction = mu;
+    scene.turn({0.5, 0, 0});
+    scene.turn({0, 0.3, 0});
+    scene.state.x.col(2) -= scene.least_gap(0) - 0.02;
+    scene.throw_at({1, 0, 0}, {0, 2, 0});
+    CheckedRun runner(scene);
+    for (int i = 0; i < 150; ++i) {
+      if (!runner.step(scene, 0.01)) return;
+      const Vec3 force = -runner.force(0, 0.01);
+      CHECK(force.head<2>().norm() <= mu * force.z() * (1 + 1e-9) + 1e-9);
+      CHECK(runner.loss > -1e-3);  // off an edge backward Euler gains a little, as with control points
     }
+  }
 }
 
 TEST(a_lid_that_comes_down_and_turns_presses_what_holds_it) {
-  for (const double k : {1e5, 1e7})
-    for (const bool round : {true, false}) {
-      FallingBox scene = pressed(round ? sphere(k, 2) : cube(k, 2), round ? 0.1 : 0);
-      CheckedRun runner(scene, 0.01, 0.2);
-      const Vec3 sum = runner.force(0, 0.01) + runner.force(1, 0.01);
-      CHECK(runner.force(1, 0.01).z() > 0.02 * k);
-      CHECK(sum.norm() < 1e-2 * runner.force(1, 0.01).norm());
-    }
+  for (const auto [k, round] : check::some(3, check::each_with<double, bool>({1e5, 1e7}, {true, false}))) {
+    FallingBox scene = pressed(round ? sphere(k, 2) : cube(k, 2), round ? 0.1 : 0);
+    CheckedRun runner(scene, 0.01, 0.2);
+    const Vec3 sum = runner.force(0, 0.01) + runner.force(1, 0.01);
+    CHECK(runner.force(1, 0.01).z() > 0.02 * k);
+    CHECK(sum.norm() < 1e-2 * runner.force(1, 0.01).norm());
+  }
 }
 
 TEST(what_is_pinned_is_pressed_by_its_samples) {

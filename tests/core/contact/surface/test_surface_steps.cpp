@@ -99,7 +99,7 @@ TEST(what_is_pinned_stays_and_the_rest_gives_way) {
 
 TEST(automatic_steps_follow_landings_by_the_tolerance_and_state_their_error) {
   int followed = 0, all = 0;
-  for (int throws = 0; throws < 6; ++throws) {
+  for (const int throws : check::some<int>(2, {0, 1, 2, 3, 4, 5})) {
     const auto landed = [throws](double h, double tolerance) {
       const Sphere sphere{.level = 2, .height = 0.1, .damping = 0, .friction = 0, .velocity = {1, 0.3, -1 - 0.05 * throws}, .planes = 1};
       SoftBody body = sphere.body(Vec3(0.4 + 0.3 * throws, 3, 0.7));
@@ -124,7 +124,7 @@ TEST(automatic_steps_follow_landings_by_the_tolerance_and_state_their_error) {
 }
 
 TEST(a_stiff_body_with_samples_falls_by_its_modes_and_rests_in_implicit_steps) {
-  for (const double stiffness : {1e5, 1e6}) {
+  for (const double stiffness : check::some<double>(2, {1e6, 1e5})) {
     const Sphere sphere{.level = 1, .height = 0.02, .stiffness = stiffness, .friction = 0};
     SoftBody fine = sphere.body(), body = sphere.body();
     fine.settings.method = Method::leapfrog;
