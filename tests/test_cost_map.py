@@ -34,6 +34,7 @@ def run(folder: Path, *words: str) -> subprocess.CompletedProcess:
     return subprocess.run([sys.executable, PROGRAM, *words], cwd=folder, capture_output=True, text=True, timeout=300)
 
 
+@pytest.mark.short("*-1000.0-*", "*-10000000.0-*", "rests, points-*")
 @pytest.mark.parametrize(("name", "stiffness", "tau", "most"), FEW_STEPS)
 def test_cells_take_few_steps(cost_map, name, stiffness, tau, most):
     cell = cost_map.measured(cost_map.KINDS[name], stiffness, tau)

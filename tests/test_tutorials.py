@@ -20,8 +20,9 @@ ROOT = Path(__file__).resolve().parents[1]
 TUTORIALS = sorted((ROOT / "docs" / "tutorials").glob("*.md"))
 NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
 NEEDS = {"robot": "mujoco"}
-"""Tutorials that need the package of an extra, and take long"""
-FOLLOWED = [pytest.param(file, id=file.stem, marks=[pytest.mark.full] * (file.stem in NEEDS)) for file in TUTORIALS]
+"""Tutorials that need the package of an extra"""
+LONG = ("fit", "robot")
+FOLLOWED = [pytest.param(file, id=file.stem, marks=[pytest.mark.full] * (file.stem in LONG)) for file in TUTORIALS]
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 

@@ -88,6 +88,7 @@ def taken(path: str, guid: bytes, uri: bytes) -> tuple[int, int, int]:
     return ready - before, own_memory() - ready, 10 * size.value // 1024
 
 
+@pytest.mark.short("4-400")
 @pytest.mark.skipif(not LINUX, reason="reads /proc")
 @pytest.mark.parametrize(("side", "most"), [(4, 400), (32, 40_000)])
 def test_a_scene_takes_little_memory_before_it_is_used_and_a_state_its_fields(side, most, tmp_path):

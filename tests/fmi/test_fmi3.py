@@ -59,7 +59,7 @@ def mixed(tmp_path_factory) -> Fmu3:
     return Fmu3(MIXED, tmp_path_factory.mktemp("mixed") / "fmi3")
 
 
-@pytest.mark.short("rich", "bare", "mixed", "pad", "car_ball")
+@pytest.mark.short("mixed", "rich", "bare")
 @pytest.mark.parametrize("name", [*shipped_scenes(), "rich", "bare", "mixed"])
 def test_the_description_is_valid(name, tmp_path):
     scene = {"rich": RICH, "bare": BARE, "mixed": MIXED}.get(name) or load_scene(name)
@@ -149,7 +149,7 @@ def test_what_is_set_at_every_step_leads_to_the_same_bits_in_both_standards(scen
     assert straight(three, look=lambda host: host.slopes()) == straight(two, look=lambda host: host.slopes())
 
 
-@pytest.mark.short("standard", "hanging", "stiff_pull", "press")
+@pytest.mark.short("hanging", "press")
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_a_shipped_scene_runs_with_the_same_bits_in_both_standards(name, tmp_path):
     scene = load_scene(name)
@@ -219,6 +219,7 @@ def test_a_folder_without_a_separator_calls_about_no_variables_and_an_unknown_lo
     host.free()
 
 
+@pytest.mark.short("mixed", "flat")
 @pytest.mark.parametrize("scene", [RICH, MIXED, MIXED.replace({"fmu.names": "flat"})], ids=["rich", "mixed", "flat"])
 def test_the_packages_own_host_finds_the_scalars_of_fmi2_in_it(scene, tmp_path):
     found = {}

@@ -172,7 +172,7 @@ def test_a_master_gets_our_numbers_from_fmi3(fmus, scene, tmp_path):
     np.testing.assert_array_equal(rows["outputs"], expected)
 
 
-@pytest.mark.short("standard", "press")
+@pytest.mark.short("standard")
 @pytest.mark.parametrize("scene", shipped_scenes())
 def test_fmpy_does_what_the_page_says_without_a_warning(scene):
     said, messages = outcome(FMPY, scene)

@@ -102,6 +102,7 @@ def test_a_host_in_python_ends_cleanly(folder, tmp_path, name, kept):
         assert (done.returncode, done.stdout) == (0, "done\n"), done.stderr
 
 
+@pytest.mark.short("free")
 @pytest.mark.parametrize("instances", ["free", "keep"])
 def test_a_host_in_c_that_gets_python_from_a_library_ends_cleanly(folder, tmp_path, instances):
     """Without the remedy it aborts where instances are kept, and now and then where they are freed."""

@@ -62,6 +62,7 @@ def test_pending_derivatives_of_inputs_are_part_of_the_state(rich, method):
     host.free()
 
 
+@pytest.mark.short("leapfrog-central_difference")
 @pytest.mark.parametrize(("method", "other"), [tuple(METHODS), tuple(METHODS)[::-1]])
 def test_a_serialized_state_continues_in_another_process(rich, tmp_path, method, other):
     host = begun(rich, method)

@@ -64,6 +64,7 @@ def test_solids_count_as_obstacles():
         assert rig.contact
 
 
+@pytest.mark.full
 def test_sdirk2_shows_its_order_on_a_damped_body_in_contact(folder, monkeypatch):
     monkeypatch.setattr("softffd.accuracy.measure.QUICK_BUDGET", 0.2)
     Path("rubber.toml").write_text(RUBBER)

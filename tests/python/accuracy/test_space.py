@@ -87,6 +87,7 @@ def errors(measured):
     return {run.lattice[0]: run.error for run in measured.records.runs}
 
 
+@pytest.mark.full
 def test_springs_and_solids_tend_to_the_same_displacement_at_a_quarter(tmp_path):
     """Of places and reactions of a clamped cube under small strain, within the uncertainties of both; solids of 7 points are three times as
     near to it as springs of 7."""

@@ -54,7 +54,7 @@ def refused(capsys, *arguments) -> str:
     return message
 
 
-def test_build_then_run_the_fmu_then_run_the_scene(quick, capsys):
+def test_build_then_run_the_fmu_then_run_the_scene_then_without_pictures_which_leaves_none_of_an_earlier_run(quick, capsys):
     assert main(["build", "quick.toml"]) == 0
     Path("quick.fmu").rename("QUICK.FMU")
     assert main(["run", "QUICK.FMU", "-o", "from_fmu", "--no-pictures"]) == 0
@@ -65,18 +65,14 @@ def test_build_then_run_the_fmu_then_run_the_scene(quick, capsys):
     for name in ("result.csv", "summary.json", "picture.png", "view.html"):
         assert (quick / "from_scene" / name).stat().st_size > 100
     assert not list(quick.rglob("*.partial"))
-
-
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="glibc is Linux's")
-def test_no_pictures_leaves_the_numbers_and_none_of_an_earlier_run(quick, capsys):
-    assert main(["run", "quick.toml", "-o", "kept"]) == 0
     shown = {"picture.png", "view.html"}
-    before = {file.name for file in (quick / "kept").iterdir()}
-    assert main(["run", "quick.toml", "-o", "kept", "--overwrite", "--no-pictures"]) == 0
-    assert before >= shown and {file.name for file in (quick / "kept").iterdir()} == before - shown
+    before = {file.name for file in (quick / "from_scene").iterdir()}
+    assert main(["run", "quick.toml", "-o", "from_scene", "--overwrite", "--no-pictures"]) == 0
+    assert before >= shown and {file.name for file in (quick / "from_scene").iterdir()} == before - shown
     assert "picture.png" not in capsys.readouterr().out.splitlines()[-1]
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="glibc is Linux's")
 def test_build_says_which_glibc_its_library_needs(quick, capsys):
     assert main(["build", "quick.toml"]) == 0
     needed = re.search(r"runs on .*\S+ with glibc (\d+)\.(\d+) or newer", capsys.readouterr().out)
@@ -120,7 +116,7 @@ def test_set_and_input_reach_the_component(quick):
     assert x[0] - 0.5 == pytest.approx(exact, rel=1e-9)
 
 
-@pytest.mark.short("press")
+@pytest.mark.full
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_every_shipped_scene_runs(name, tmp_path, capsys):
     assert main(["run", name, "-o", str(tmp_path)]) == 0
@@ -192,7 +188,7 @@ def test_the_mesh_that_run_writes_is_deformed_in_the_scene_s_basis(tmp_path):
     save_mesh(ball(), tmp_path / "ball.obj")
     scene = mesh_scene(tmp_path, "ball.obj", "uniform")
     scene.write_text('[lattice]\npoints = [7, 7, 7]\nbasis = "bspline"\n' + scene.read_text())
-    assert main(["run", str(scene), "-o", str(tmp_path / "out")]) == 0
+    assert main(["run", str(scene), "-o", str(tmp_path / "out"), "--no-pictures"]) == 0
     loaded, positions = load_scene(scene), np.load(tmp_path / "out" / "result.npz")["positions"][-1]
     wanted = deform(loaded.loaded_mesh, positions, origin=loaded.lattice.origin, size=loaded.lattice.size, basis="bspline")
     written = load_mesh(tmp_path / "out" / "deformed.obj").vertices
@@ -204,7 +200,7 @@ def test_run_writes_the_mesh_with_its_looks_and_says_what_is_lost(name, kept, tm
     file = two_colours(tmp_path, name)
     (tmp_path / "the ball.png").unlink(missing_ok=True)
     scene = mesh_scene(tmp_path, file, "uniform")
-    assert main(["run", str(scene), "--stop-time", "0.02", "-o", str(tmp_path / "out")]) == 0
+    assert main(["run", str(scene), "--stop-time", "0.02", "-o", str(tmp_path / "out"), "--no-pictures"]) == 0
     said = capsys.readouterr().out
     assert ("pictures.obj: material ball: its picture the ball.png is missing or cannot be read" in said) == (name == "pictures.obj")
     looks = load_mesh(tmp_path / "out" / kept).looks
@@ -227,7 +223,7 @@ def test_a_mesh_is_enough_to_run_and_new_writes_the_same_scene(tmp_path, monkeyp
     assert "softffd new kd --mesh meshes/kd.obj" in said
     assert {"picture.png", "view.html", "deformed.obj"} <= {file.name for file in Path("softffd-kd").iterdir()}
     assert main(["new", "mine", "--mesh", "meshes/kd.obj", "--up", "z"]) == 0
-    assert main(["run", "mine.toml", "--stop-time", "0.05"]) == 0
+    assert main(["run", "mine.toml", "--stop-time", "0.05", "--no-pictures"]) == 0
     one, other = (np.load(Path(folder) / "result.npz")["positions"] for folder in ("softffd-kd", "softffd-mine"))
     np.testing.assert_array_equal(one, other)
 

@@ -187,6 +187,7 @@ def require_means(found, points, mesh, counts=(4, 4, 4), basis="bezier", share=0
     assert (np.abs(found.mass - mean) < 5 * error).all()
 
 
+@pytest.mark.short("counts0-bezier")
 @pytest.mark.parametrize(("counts", "basis"), [((4, 4, 4), "bezier"), ((6, 5, 8), "bspline")])
 def test_the_volume_distribution_is_that_of_random_points_in_the_solid(counts, basis):
     mesh = wedge()

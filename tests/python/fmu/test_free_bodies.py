@@ -75,6 +75,7 @@ def test_a_free_body_has_loads_a_mass_and_its_motion_as_outputs(part, scene, tmp
     assert found == tuple(map(sorted, VARIABLES[part]))
 
 
+@pytest.mark.short("3-flat")
 @pytest.mark.parametrize(("fmi", "names"), [(2, "structured"), (3, "flat")])
 def test_starts_and_names_of_the_description_are_those_of_the_library(fmi, names, scene, tmp_path):
     file = package_fmu(scene.replace({"fmu.names": names}), tmp_path / "free.fmu", fmi=fmi)

@@ -15,8 +15,8 @@ from any_example import require_of_all
 from scenes import LED, box, table_and_press
 from softffd import Result, SoftffdError, Sweep, package_fmu, simulate, sweep
 
-few_and_many = pytest.mark.parametrize("examples", [pytest.param(count, id=f"{count} files") for count in (30, 2000)])
-few = pytest.mark.short("*30 files")
+few_and_many = pytest.mark.parametrize("examples", [pytest.param(count, id=f"{count} files") for count in (15, 2000)])
+few = pytest.mark.short("*15 files")
 
 
 class Bytes(bytes):

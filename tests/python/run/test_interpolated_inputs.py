@@ -61,7 +61,7 @@ def test_the_run_command_interpolates_as_it_is_told(folder, capsys):
     package_fmu(FREE, "free.fmu")
     Path("push.csv").write_text("time,load.push.x\n0,0\n1,6\n")
     for how, speed in (("linear", 3.0), ("held", 2.25)):  # of 6 t N on 1 kg
-        assert main(["run", "free.fmu", "--input", "push.csv", "--interpolation", how, "-o", how]) == 0
+        assert main(["run", "free.fmu", "--input", "push.csv", "--interpolation", how, "-o", how, "--no-pictures"]) == 0
         assert np.load(f"{how}/result.npz")["velocity[1,2,3].x"][-1] == pytest.approx(speed)
     assert main(["run", "free.fmu", "--interpolation", "cubics"]) != 0
     assert 'did you mean "cubic"' in capsys.readouterr().err
@@ -73,6 +73,7 @@ TURNED = box(
 )
 
 
+@pytest.mark.short("table-0.2-*", "function-0.02-*")
 @pytest.mark.parametrize("interpolation", ["held", "linear", "cubic"])
 @pytest.mark.parametrize("way, row", [("table", 0.2), ("table", 0.02), ("function", 0.02)])
 def test_a_quaternion_means_the_same_with_either_sign(way, row, interpolation):

@@ -70,7 +70,7 @@ def test_what_is_saved_comes_back_whole(result, tmp_path):
 
 def test_what_the_command_keeps_is_a_result(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert main(["run", "press", "--stop-time", "0.1", "-o", "out"]) == 0
+    assert main(["run", "press", "--stop-time", "0.1", "-o", "out", "--no-pictures"]) == 0
     loaded = Result.load("out")
     assert loaded.scene == load_scene("press") and loaded.summary["findings"]
     np.testing.assert_array_equal(loaded.positions, simulate(loaded.scene, stop_time=0.1, inputs=loaded.scene.default_inputs).positions)

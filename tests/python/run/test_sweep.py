@@ -290,6 +290,7 @@ def test_the_command_refuses_wrong_values(vary, words, tmp_path, capsys):
     assert not (tmp_path / "kept").exists()
 
 
+@pytest.mark.short("longer path than a socket may have")
 @pytest.mark.parametrize("folder", ["t", "t" * 100], ids=["short path", "longer path than a socket may have"])
 def test_a_script_needs_no_guard_against_its_own_processes_wherever_temporary_files_are(tmp_path, folder):
     (tmp_path / folder).mkdir()

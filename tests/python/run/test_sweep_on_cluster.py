@@ -131,6 +131,7 @@ def test_the_command_takes_a_scheduler(scheduler, tmp_path, capsys):
     assert "argument -j/--jobs: not allowed with argument --scheduler" in capsys.readouterr().err
 
 
+@pytest.mark.full
 def test_a_run_that_takes_its_worker_down_is_a_failed_run_and_the_rest_goes_on(client, monkeypatch):
     def deadly(_plan, _fmu, given, _version):
         return os._exit(1) if (1,) in given else [np.array([float(run[0])]) for run in given]

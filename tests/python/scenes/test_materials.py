@@ -30,6 +30,7 @@ def test_the_pad_presses_and_leans_without_sliding_until_it_is_lifted():
     assert result.deformation()[-1] < 1e-6
 
 
+@pytest.mark.full
 def test_the_beam_rings_down_by_its_damping_ratio_about_its_bent_shape():
     result = run("beam")
     drop = result.outputs["probe.tip.z"][0] - result.outputs["probe.tip.z"]

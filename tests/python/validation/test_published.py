@@ -46,6 +46,7 @@ def test_a_bar_of_a_solid_strikes_a_wall_as_its_wave_says(tmp_path):
     assert "### Bar that strikes a wall" in page and page.count("\n| [Bar that") == len(rows)
 
 
+@pytest.mark.full
 def test_a_beam_of_a_solid_vibrates_as_timoshenkos():
     found = errors(list(case("Frequencies of a clamped beam").rows(solid(0.0, 31, 4, 4))))
     assert list(found) == [f"{name} frequency [Hz]" for name in ("first", "second", "third")]

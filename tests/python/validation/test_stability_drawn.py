@@ -74,7 +74,7 @@ def test_elements_differ_in_everything_of_theirs():
     assert all(scene.document["plane"] == [] or "sphere" not in scene.document for scene in scenes)
 
 
-@pytest.mark.short("10-*")
+@pytest.mark.short("10-drawn_elements", "10-drawn_free")
 @pytest.mark.parametrize("family", [drawn, drawn_elements, drawn_free])
 @pytest.mark.parametrize("seeds", [10, 40])
 def test_nothing_starts_behind_an_obstacle(family, seeds):
@@ -220,7 +220,7 @@ makes much of the phase of vibrations; impacts on a cylinder, which were not tak
 DRAWN = [(family, seed) for family, silent in ONCE_SILENT.items() for seed in sorted({*range(1, 41), *silent})]
 
 
-@pytest.mark.short("surface-22", "surface-95", "solids-121", "solids-423")
+@pytest.mark.short("solids-423", "surface-22")
 @pytest.mark.parametrize(("family", "seed"), DRAWN)
 def test_auto_is_right_or_says_that_it_is_not(family, seed):
     jobs = [Job(seed, run, family) for run in RUNS]

@@ -36,6 +36,7 @@ def test_a_fast_turn_in_implicit_steps_is_warned_of_once(H):
         assert np.linalg.norm(body.point_velocities()[0]) < 0.95 * speed
 
 
+@pytest.mark.short("0.002")
 @pytest.mark.parametrize("H", [0.01, 0.002])
 def test_auto_keeps_the_spin_of_a_stiff_body_on_the_ground(H):
     spin = 0.2 / H

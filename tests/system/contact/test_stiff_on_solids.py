@@ -35,7 +35,7 @@ def falling(folder, on: str, stiffness: float, step: float):
     )  # fmt: skip
 
 
-@pytest.mark.short("0.05-*")
+@pytest.mark.short("0.05-free ball", "0.05-edge of a box")
 @pytest.mark.parametrize("on", SOLIDS)
 @pytest.mark.parametrize("step", [0.01, 0.05])
 def test_it_comes_to_what_short_steps_come_to(step, on, tmp_path):

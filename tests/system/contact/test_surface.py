@@ -99,6 +99,7 @@ def on_incline(body, degrees, **keys):
     return body(bodies.cube(8, 0.05), gravity=gravity, damping=2.0, plane=[plane], velocities="all", communication_step=0.05, **keys)
 
 
+@pytest.mark.short("20.0-*", "25.0-*")
 @pytest.mark.parametrize(("degrees", "tolerance"), [(20.0, 5e-5), (25.0, 5e-3), (35.0, 3e-3)])
 def test_a_cube_sticks_below_the_angle_of_friction_and_slides_above_it(body, degrees, tolerance):
     with Simulation(on_incline(body, degrees, stiffness=2e4, step=1e-4, stop_time=3.5)) as simulation:

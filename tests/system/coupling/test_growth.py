@@ -177,7 +177,7 @@ def pressed(sim: Simulation, plane: str = "plane.lid") -> Press:
     return press
 
 
-@pytest.mark.short("0.343-0.001-all*", "0.1-0.001-iterated")
+@pytest.mark.short("0.343-0.001-all step, then exchange")
 @pytest.mark.parametrize("host", [*HOSTS, "iterated"])
 @pytest.mark.parametrize("step", [1e-3, 2.5e-4, 1e-4])
 @pytest.mark.parametrize("mass", [0.343, 0.1])

@@ -1,5 +1,7 @@
 """A rigid foot that is bonded to the object's lower side, with a mass of its own, falls on the ground with it and comes to rest there."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -22,15 +24,23 @@ def dropped(folder, internal_damping: float):
     )  # fmt: skip
 
 
+@pytest.fixture(scope="module")
+def run_with(tmp_path_factory):
+    """run_with(internal damping)"""
+    return cache(lambda internal_damping: simulate(dropped(tmp_path_factory.mktemp("dropped"), internal_damping)))
+
+
+@pytest.mark.short("0.0", "0.0001")
 @pytest.mark.parametrize("internal_damping", [0.0, 1e-4, 1e-3])
-def test_at_rest_the_foot_is_held_by_its_weight_and_the_ground_by_that_of_both(internal_damping, tmp_path):
-    run = simulate(dropped(tmp_path, internal_damping))
+def test_at_rest_the_foot_is_held_by_its_weight_and_the_ground_by_that_of_both(internal_damping, run_with):
+    run = run_with(internal_damping)
     assert run.outputs["pin.foot.reaction.z"][-50:].mean() == pytest.approx(FOOT * GRAVITY, rel=1e-4)
     assert run.outputs["plane.ground.reaction.z"][-50:].mean() == pytest.approx(-(OBJECT + FOOT) * GRAVITY, rel=1e-4)
 
 
+@pytest.mark.short("0.0", "0.0001")
 @pytest.mark.parametrize("internal_damping", [0.0, 1e-4, 1e-3])
-def test_what_is_dissipated_never_comes_back_and_nothing_works_from_outside(internal_damping, tmp_path):
-    run = simulate(dropped(tmp_path, internal_damping))
+def test_what_is_dissipated_never_comes_back_and_nothing_works_from_outside(internal_damping, run_with):
+    run = run_with(internal_damping)
     assert np.diff(run.outputs["energy.dissipated"]).min() > -1e-9 * FALL
     assert np.abs(run.outputs["energy.work"]).max() < 2e-5 * FALL

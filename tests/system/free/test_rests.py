@@ -45,7 +45,7 @@ def stack(folder, name: str, stop_time: float, **keys):
     )  # fmt: skip
 
 
-@pytest.mark.short("plate on the block", "block on the plate")
+@pytest.mark.short("plate on the block")
 @pytest.mark.parametrize("name", STACKS)
 def test_it_rests_by_implicit_steps_and_the_floor_bears_all(name, tmp_path):
     run = simulate(stack(tmp_path, name, 1.0))
@@ -57,6 +57,7 @@ def test_it_rests_by_implicit_steps_and_the_floor_bears_all(name, tmp_path):
     assert float(stated(run)[-1]) < 20 * TOLERANCE
 
 
+@pytest.mark.short("block on the plate", "guided plate on the block")
 @pytest.mark.parametrize("name", STACKS)
 def test_where_it_rests_is_where_short_steps_bring_it(name, tmp_path):
     error, told = beside_short_steps(stack(tmp_path, name, 0.5), 16)

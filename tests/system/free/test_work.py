@@ -49,6 +49,7 @@ def test_a_mass_needs_no_more_than_twice_the_steps_of_a_plate(pad, mass, guided,
     assert of_mass(tmp_path, pad, mass, guided=guided) <= 2 * plate
 
 
+@pytest.mark.short("solid-0.001", "springs-0.1")
 @pytest.mark.parametrize("mass", [1e-3, 1e-1])
 @pytest.mark.parametrize("pad", PADS)
 def test_a_light_mass_that_may_turn_needs_the_steps_of_one_that_may_not(pad, mass, tmp_path):

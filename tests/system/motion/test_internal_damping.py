@@ -102,6 +102,7 @@ EXACT = [
 ]
 
 
+@pytest.mark.short("10-*")
 @pytest.mark.parametrize(("ratio", "reference"), EXACT)
 def test_strong_damping_does_not_hold_a_body_back_that_turns_and_grows(ratio, reference):
     """A step's drift goes along the tangents: dashpots so strong that the springs cannot bring the body back must not let it grow. Where a

@@ -162,7 +162,7 @@ def observed(divisions, errors):
     return -np.polyfit(np.log(divisions), np.log(errors), 1)[0]
 
 
-@pytest.mark.short("10 *ramp-*", "10 *pin-*", "10 *curved-*")
+@pytest.mark.short("10 steps-dashpots pin-*", "10 steps-damped ramp-*", "10 steps-curved-*")
 @pytest.mark.parametrize(("case", "method"), pairs([case for case in CASES if case != "turning pin"]))
 def test_the_motion_has_the_methods_order(courses, case, method):
     row = METHODS[method]

@@ -84,7 +84,7 @@ def test_smooth_motions_agree_to_rounding(both, name, share):
         assert np.abs(values - twin.outputs[output]).max() < allowed, output
 
 
-@pytest.mark.short("half of *", "drop with friction")
+@pytest.mark.short("half of conveyor that turns", "drop with friction", "half of plane that jumps")
 @whole_and_half(CONTACT, "conveyor that turns", "plane that jumps", "press")
 def test_motions_in_contact_agree_to_the_end(both, name, share):
     """Impacts and friction leave less than they find; rounding is not multiplied as it is in a fast tumble.

@@ -108,7 +108,7 @@ DECAYS = {"auto": 1e-4, "leapfrog": 1e-4, "dop853": 1e-4, "ros34pw2": 1e-3, "sdi
 """By how much the amplitude may be off; the tolerance is 1e-4 of it"""
 
 
-@pytest.mark.short("auto-*", "*-damped-torsion")
+@pytest.mark.short("auto-*", "[dlr]*-damped-torsion")
 @pytest.mark.parametrize("mode", [0, 2, 7], ids=["torsion", "second family", "breathing"])
 @pytest.mark.parametrize("tau", [0.0, TAU], ids=["undamped", "damped"])
 @pytest.mark.parametrize("method", DECAYS)

@@ -90,6 +90,7 @@ CUTS = [("landing", method) for method in METHODS] + [
 ]
 
 
+@pytest.mark.short("landing-*", "in contact-auto", "pinned-leapfrog", "free-central_difference", "undamped-leapfrog")
 @pytest.mark.parametrize(("name", "method"), CUTS)
 def test_cutting_the_communication_step_changes_no_bit_with_a_fixed_step(name, method):
     """Down to one internal step each."""

@@ -136,7 +136,7 @@ def test_many_run_side_by_side_in_one_process():
         np.testing.assert_array_equal(one.positions, three.positions)
 
 
-def test_an_archive_that_would_fill_the_disk_is_refused_before_it_is_unpacked(tmp_path, monkeypatch):
+def test_an_archive_that_would_fill_the_disk_is_refused_before_it_is_unpacked(as_shipped, tmp_path, monkeypatch):
     fmu = package_fmu(scene(), tmp_path / "box.fmu")
     with ZipFile(fmu, "a", ZIP_DEFLATED) as packed:
         packed.writestr("resources/zeros.bin", bytes(20_000_000))
