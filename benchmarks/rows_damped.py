@@ -151,11 +151,11 @@ explicit_step("springs", {"stiffness": 1e3, "damping": 0.0}, mass={"total": 0.5}
 explicit_step("a solid", {"model": "solid", "youngs_modulus": 1e5, "poissons_ratio": 0.45, "density": 500.0})
 
 
-def stage_of_size(side: int, seconds: float) -> None:
+def stage_of_size(side: int, seconds: float | None, sliding: Callable[[int, float], Scene], name: str = "") -> None:
     """A row for a lattice whose lower face slides on a plane: half a step of SDIRK2, which has two stages."""
     h, count, touching = 1e-3, 40 if side == 4 else 3, side * side
 
-    @row("damped contact", f"a stage, {side}^3, {touching} touching", f"an explicit step, {side}^3", seconds=seconds)
+    @row("damped contact", f"a stage, {name}{side}^3, {touching} touching", f"an explicit step, {side}^3", seconds=seconds)
     def stage() -> Iterator[Pair]:
         steps = steps_of(side)
         with Simulation(sliding(side, h)) as implicit, Simulation(box(side)) as explicit:
@@ -164,7 +164,7 @@ def stage_of_size(side: int, seconds: float) -> None:
             yield Pair(lambda: implicit.step(count * h), lambda: explicit.step(steps * STEP), per=2 * count, per_base=steps)
 
 
-def sliding(side: int, step: float) -> Scene:
+def springs(side: int, step: float) -> Scene:
     return box(
         side,
         plane=[{"name": "ground", "friction": 0.3}],
@@ -177,6 +177,19 @@ def sliding(side: int, step: float) -> Scene:
     )
 
 
+def solid(side: int, step: float) -> Scene:
+    return scene_from(
+        {
+            "lattice": {"points": [side] * 3, "size": [1.0] * 3, "origin": [0.0] * 3},
+            "plane": [{"name": "ground", "friction": 0.3}],
+            "environment": {"gravity": [4.0, 0.0, -9.81]},
+            "material": {"model": "solid", "youngs_modulus": 1e6, "poissons_ratio": 0.3, "density": 1.0, "internal_damping": 1e-3},
+            "outputs": {"solver": True, "reactions": False, "positions": "all"},
+            "solver": {"method": "sdirk2", "step": step},
+        }
+    )
+
+
 def require_stages(simulation: Simulation, touching: int, call: Callable[[], object], steps: int) -> None:
     """So many steps of two stages in a call, so many points in contact in each; else it is something else that is measured."""
     before = [simulation[f"solver.{what}"] for what in ("steps", "contacts_resolved")]
@@ -186,5 +199,6 @@ def require_stages(simulation: Simulation, touching: int, call: Callable[[], obj
         raise NotMeasured(f"{taken:g} steps with {resolved:g} contacts, wanted {steps} of two stages with {touching}")
 
 
-stage_of_size(4, seconds=100e-6)
-stage_of_size(8, seconds=5e-3)
+stage_of_size(4, 100e-6, springs)
+stage_of_size(8, 5e-3, springs)
+stage_of_size(4, None, solid, "a solid, ")

@@ -9,7 +9,10 @@ using namespace softffd;
 
 namespace {
 
-const std::vector<Lattice> layered_lattices{{{4, 4, 4}}, {{2, 2, 2}}, {{2, 3, 8}}, {{8, 2, 2}}, {{3, 5, 4}}};
+Lattice solid(std::array<int, 3> counts) { return {.counts = counts, .lobatto = true}; }
+
+const std::vector<Lattice> layered_lattices{{{4, 4, 4}}, {{2, 2, 2}},      {{2, 3, 8}},     {{8, 2, 2}},
+                                            {{3, 5, 4}}, solid({4, 4, 4}), solid({4, 7, 4})};
 
 double noise() {
   static std::mt19937 engine(7);
@@ -19,7 +22,7 @@ double noise() {
 int layer(const Lattice& lattice, int axis, int p) {
   const auto& n = lattice.counts;
   const int of[3] = {p % n[0], p / n[0] % n[1], p / (n[0] * n[1])};
-  return of[axis];
+  return lattice.lobatto ? of[axis] / 3 : of[axis];
 }
 
 /// Dense copy of the lower triangle, both triangles filled; coordinate a of point p is row p + points * a, as in Points.
@@ -48,7 +51,7 @@ void fill(const Lattice& lattice, LayerMatrix& matrix) {
 }  // namespace
 
 TEST(layers_lie_across_the_axis_with_the_most_points_and_every_coordinate_is_one_unknown) {
-  const int axes[] = {2, 2, 2, 0, 1}, layers[] = {4, 2, 8, 8, 5};
+  const int axes[] = {2, 2, 2, 0, 1, 2, 1}, layers[] = {4, 2, 8, 8, 5, 2, 3};
   for (std::size_t i = 0; i < layered_lattices.size(); ++i) {
     const LayerMatrix matrix(layered_lattices[i]);
     CHECK(matrix.axis() == axes[i] && matrix.layers() == layers[i]);
@@ -73,6 +76,29 @@ TEST(solutions_are_those_of_a_dense_factor) {
       const Eigen::VectorXd found = Eigen::Map<Eigen::VectorXd>(b.data(), b.size());
       CHECK_NEAR(largest(found - expected), 0.0, 1e-13 * largest(expected));  // condition about 10
       CHECK_NEAR(largest(full * found - right), 0.0, 1e-14 * lattice.points());
+    }
+  }
+}
+
+TEST(right_sides_that_are_solved_for_together_have_the_same_solutions_whichever_they_are) {
+  for (const Lattice& lattice : layered_lattices) {
+    LayerMatrix matrix(lattice);
+    fill(lattice, matrix);
+    matrix.factor();
+    std::vector<Points> sides(LayerMatrix::together, Points(lattice.points(), 3));
+    std::vector<Points*> all;
+    for (Points& side : sides) {
+      for (int i = 0; i < side.size(); ++i) side.data()[i] = noise();
+      all.push_back(&side);
+    }
+    std::vector<Points> alone = sides, first = sides;
+    matrix.solve_together(all);
+    for (std::size_t s = 0; s < sides.size(); ++s) {
+      Points* one = &first[s];
+      matrix.solve_together({&one, 1});
+      CHECK((first[s] == sides[s]).all());
+      matrix.solve(alone[s]);
+      CHECK_NEAR((alone[s] - sides[s]).abs().maxCoeff(), 0.0, 1e-15 * lattice.points() * alone[s].abs().maxCoeff());
     }
   }
 }

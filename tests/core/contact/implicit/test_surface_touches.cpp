@@ -207,3 +207,20 @@ TEST(the_state_has_all_that_the_next_step_begins_with) {
   scene.body.internal_force(scene.state.x, scene.state.spring);
   check_nothing_is_kept(scene);
 }
+
+TEST(samples_of_weight_one_meet_planes_as_control_points_do) {
+  for (const bool sdirk2 : {false, true})
+    for (const double k : {1e4, 1e7}) {
+      FallingBox points(k, 1);
+      points.incline(25);  // it slides
+      springs_of(points.body).set_dashpots(1e-3);
+      points.turn({0, 0.05, 0});
+      points.state.x.col(2) -= points.state.x.col(2).minCoeff();
+      FallingBox samples = points;
+      samples.body.samples = std::make_shared<Samples>(samples.lattice);
+      CheckedRun(points, 0.005, 0.5, sdirk2);
+      CheckedRun(samples, 0.005, 0.5, sdirk2);
+      CHECK_NEAR((samples.state.x - points.state.x).abs().maxCoeff(), 0.0, 1e-6);
+      CHECK(points.state.x.col(0).minCoeff() > 0.02);
+    }
+}
