@@ -180,7 +180,7 @@ def springs(side: int, step: float) -> Scene:
 def solid(side: int, step: float) -> Scene:
     return scene_from(
         {
-            "lattice": {"points": [side] * 3, "size": [1.0] * 3, "origin": [0.0] * 3},
+            "lattice": {"points": [side] * 3, "size": [1.0, 1.0, 0.3], "origin": [0.0] * 3},
             "plane": [{"name": "ground", "friction": 0.3}],
             "environment": {"gravity": [4.0, 0.0, -9.81]},
             "material": {"model": "solid", "youngs_modulus": 1e6, "poissons_ratio": 0.3, "density": 1.0, "internal_damping": 1e-3},
