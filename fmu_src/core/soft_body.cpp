@@ -257,7 +257,7 @@ StepStatus SoftBody::initialize(double t0) {
   now_.path.steps = 0;
   now_.path.stiff = {};
   now_.path.error = {};
-  now_.path.damped_error = 0;
+  now_.path.damped_error = now_.path.damped_fading = 0;
   now_.path.surface.forget();
   now_.path.exchange.clear();
   now_.exchange_time = 1;

@@ -274,6 +274,33 @@ double free_bodies_apart(const StepContext& context, const State& a, const State
   return most;
 }
 
+namespace {
+
+/// How two states move apart as rigid bodies, and what of that is along the obstacle when it has taken what is across [m/s].
+struct Parting {
+  double radius;  ///< of the outermost point [m]
+  Vec3 velocity, spin, along, lasting;
+  Parting(const Body& body, const State& a, const State& b, const Outlook& ahead) {
+    const RigidMotion of_a = rigid_motion(body.mass, a.x, a.v), of_b = rigid_motion(body.mass, b.x, b.v);
+    radius = radius_about(of_b.centre, b.x);
+    velocity = of_a.velocity - of_b.velocity;
+    spin = of_a.spin - of_b.spin;
+    along = tangential(ahead.normal, velocity);
+    lasting = along - velocity.dot(ahead.normal) * ahead.rub;
+  }
+};
+
+}  // namespace
+
+double lasting_part(const StepContext& context, const State& a, const State& b, const Outlook& ahead, double size) {
+  if (!context.drive.free.empty() || ahead.growth > 1 || !(ahead.along_normal < ahead.left) || !(size < infinity)) return size;
+  const Parting apart(context.model.body, a, b, ahead);
+  const RigidMotion way = rigid_motion(context.model.body.mass, b.x, a.x - b.x);
+  const double place = tangential(ahead.normal, way.velocity).norm() + apart.radius * std::abs(way.spin.dot(ahead.normal));
+  const double grown = ahead.along_plane * (apart.lasting.norm() + apart.radius * std::abs(apart.spin.dot(ahead.normal)));
+  return std::min(size, place + grown);
+}
+
 LeftOver left_over(const StepContext& context, const State& a, const State& b, const Outlook& ahead) {
   const Body& body = context.model.body;
   double error = free_bodies_apart(context, a, b, false);
@@ -284,11 +311,8 @@ LeftOver left_over(const StepContext& context, const State& a, const State& b, c
     if (std::isnan(error)) error = infinity;
     return {.size = error, .lag = error};
   }
-  const RigidMotion of_a = rigid_motion(body.mass, a.x, a.v), of_b = rigid_motion(body.mass, b.x, b.v);
-  const double radius = radius_about(of_b.centre, b.x);
-  const Vec3 velocity = of_a.velocity - of_b.velocity, spin = of_a.spin - of_b.spin;
-  const Vec3 along = tangential(ahead.normal, velocity), across = velocity - along, over = tangential(ahead.normal, spin);
-  const Vec3 lasting = along - across.dot(ahead.normal) * ahead.rub;  // when the obstacle has taken what is across
+  const auto [radius, velocity, spin, along, lasting] = Parting(body, a, b, ahead);
+  const Vec3 across = velocity - along, over = tangential(ahead.normal, spin);
   const double grown = ahead.along_plane * (lasting.norm() + radius * std::abs(spin.dot(ahead.normal))) +
                        ahead.along_normal * (across.norm() + (along - lasting).norm() + radius * over.norm());
   if (!(error < infinity && grown < infinity)) return {infinity};

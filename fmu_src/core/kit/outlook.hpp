@@ -59,5 +59,7 @@ double swing_time(const StepContext& context, const FreeMotion& body);
 double free_bodies_apart(const StepContext& context, const State& a, const State& b, bool swing);
 /// What two states will differ by at the end of the run, its size infinite where one is not finite.
 LeftOver left_over(const StepContext& context, const State& a, const State& b, const Outlook& ahead);
+/// Of that size, of a body that no pin holds, what is left when what is across the obstacle and what rings has died away [m].
+double lasting_part(const StepContext& context, const State& a, const State& b, const Outlook& ahead, double size);
 
 }  // namespace softffd

@@ -209,6 +209,8 @@ struct DampedRecord {
   Count trust = 0;            ///< steps that may be run once
   Count next_trust = 1;       ///< how many after the next success
   double share = 1;           ///< error of a step in the bend of its velocities, as of the last one that was run twice [1]
+  double lasting = 1;         ///< part of that error that lasts [1]
+  double fades = 0;           ///< in which the rest of it does, where no pin holds the body [s]; 0: not at all
   Count constraints = 0;      ///< of contact, at the end of the last step
   Count doubts = 0;           ///< how often explicit steps had to take over, one time after the other
   double rate = 0;            ///< work of explicit steps in a second, as of the last that took over; 0: not known
@@ -218,7 +220,7 @@ struct DampedRecord {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.trust, s.next_trust, s.share, s.constraints, s.doubts, s.rate, s.explicit_until, s.force, s.opening);
+    return fields(s.h, s.trust, s.next_trust, s.share, s.lasting, s.fades, s.constraints, s.doubts, s.rate, s.explicit_until, s.force, s.opening);
   }
 };
 static_assert(visits_every_field<DampedRecord>);
@@ -289,15 +291,16 @@ struct Path {
   Count steps = 0;    ///< internal steps since the start
   StiffContact stiff{};
   SurfaceRows surface{};
-  LeftOver error{};         ///< of steps beside obstacles
-  double damped_error = 0;  ///< of those of damped bodies that are implicit, which is forgotten again, at the end of the run [m]
+  LeftOver error{};          ///< of steps beside obstacles
+  double damped_error = 0;   ///< of those of damped bodies that are implicit, what lasts to the end of the run [m]
+  double damped_fading = 0;  ///< and what is forgotten again [m]
 
   /// What steps of stiff bodies go by.
   double total_error() const { return error.largest() + stiff.unknown; }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.motion, s.clock, s.exchange, s.steps, s.stiff, s.surface, s.error, s.damped_error);
+    return fields(s.motion, s.clock, s.exchange, s.steps, s.stiff, s.surface, s.error, s.damped_error, s.damped_fading);
   }
 };
 static_assert(visits_every_field<Path>);

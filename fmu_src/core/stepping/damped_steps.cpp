@@ -91,7 +91,7 @@ struct DampedSteps::Call {
   double allowed(double h) const {
     const double rounding = use::rounding * std::max(context.model.body.length,
                                                      kernels::largest(context.run.path.motion.x.size(), context.run.path.motion.x.data()));
-    const double spent = context.run.path.damped_error / context.request.tolerance;
+    const double spent = (context.run.path.damped_error + context.run.path.damped_fading) / context.request.tolerance;
     const double of_rest = use::damped_share * std::max(0.0, use::damped_sum - spent);
     return std::max(rounding, std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory)) * tolerance());
   }
@@ -155,9 +155,14 @@ double DampedSteps::memory(const StepContext& context) {
   return !context.drive.held() ? longest : slowest_.memory(context.model.body, longest);
 }
 
-/// What is left of the error after h.
-void DampedSteps::forget(const Call& call, double h) {
-  if (call.context.drive.held()) call.context.run.path.damped_error *= std::max(0.0, 1 - h / call.memory);
+/// Beside what is left of the errors before after h.
+void DampedSteps::book(const Call& call, double h, double error, double lasting) {
+  Path& path = call.context.run.path;
+  const bool held = call.context.drive.held();
+  const double fades = held ? call.memory : call.context.run.course.damped.fades;
+  if (held) lasting = 0;
+  path.damped_error += lasting;
+  path.damped_fading = path.damped_fading * (fades > 0 ? std::max(0.0, 1 - h / fades) : 1) + (error - lasting);
 }
 
 /// again: the step before was as long.
@@ -217,11 +222,10 @@ StepStatus DampedSteps::step(const Call& call, double until) {
   Snapshot snapshot(run.path, start_);
   const Step coarse = take(call, until);
   if (record.trust > 0) {
-    const double error = record.share * coarse.bend + passed_over(call, h, coarse.lost) + coarse.rigid;
+    const double bent = record.share * coarse.bend, beside = passed_over(call, h, coarse.lost) + coarse.rigid, error = bent + beside;
     if (coarse.status == StepStatus::ok && !coarse.turned && error <= allowed) {
       --record.trust;
-      forget(call, h);
-      run.path.damped_error += error;
+      book(call, h, error, record.lasting * bent + beside);
       if (error > 0)
         record.h = std::max(h * std::clamp(use::window_safety * std::sqrt(allowed / error), use::next_shrink, use::rest_growth),
                             until == call.end ? record.h : h * use::next_shrink);
@@ -268,11 +272,17 @@ DampedSteps::Judged DampedSteps::run_halves(const Call& call, double until, doub
   const double order = judged.steady ? 1.0 / 3 : 1;
   const Forces forces = compare_forces(call);
   judged.force = forces.largest;
-  judged.error = order * left_over(context, coarse_.motion, path.motion, ahead(context)).size + first.rigid + second.rigid;
+  const Outlook out = ahead(context);
+  const double size = left_over(context, coarse_.motion, path.motion, out).size;
+  judged.error = order * size + first.rigid + second.rigid;
+  judged.fades = out.along_normal < out.left ? out.along_normal : 0;
+  if (!context.drive.held()) judged.lasting = order * lasting_part(context, coarse_.motion, path.motion, out, size);
+  judged.lasting += first.rigid + second.rigid;
   judged.ratio = std::max(judged.error / allowed, order * forces.difference);
   judged.over = passed_over(call, h, first.lost + second.lost);
   judged.steady = judged.steady && judged.over <= judged.ratio * allowed;
   judged.error += judged.over;
+  judged.lasting += judged.over;
   judged.ratio = std::max(judged.ratio, judged.error / allowed);
   return judged;
 }
@@ -286,8 +296,7 @@ double DampedSteps::Judged::growth() const {
 void DampedSteps::accept(const Call& call, double h, double allowed, double bend, const Judged& judged) {
   Run& run = call.context.run;
   DampedRecord& record = run.course.damped;
-  forget(call, h);
-  run.path.damped_error += judged.error;
+  book(call, h, judged.error, judged.lasting);
   record.constraints = judged.constraints;
   record.doubts = 0;
   record.force = judged.force;
@@ -295,6 +304,8 @@ void DampedSteps::accept(const Call& call, double h, double allowed, double bend
   const double share = bend > 0 && bend < infinity ? std::max(of_coarse / bend, least) : least;
   const bool known = bend < infinity && share <= use::shares_alike * record.share;
   record.share = use::share_safety * share;
+  record.lasting = judged.error > 0 ? judged.lasting / judged.error : 1;
+  record.fades = judged.fades;
   record.trust = known ? record.next_trust : 0;
   record.next_trust = known ? std::min(2 * record.next_trust, use::longest_damped_trust) : 1;
   const double growth = judged.growth(), longer = h * std::clamp(growth, use::next_shrink, use::rest_growth);

@@ -49,15 +49,17 @@ class DampedSteps {
   };
   /// What two runs of a step say of the finer one.
   struct Judged {
-    double error = 0;  ///< [m]
-    double ratio = 0;  ///< of errors in what is allowed, the worst [1]
-    double over = 0;   ///< part of the error that is of vibrations passed over [m]
-    double force = 0;  ///< largest so far [N]
+    double error = 0;    ///< [m]
+    double lasting = 0;  ///< part of it [m]
+    double fades = 0;    ///< in which the rest does [s]; 0: not at all
+    double ratio = 0;    ///< of errors in what is allowed, the worst [1]
+    double over = 0;     ///< part of the error that is of vibrations passed over [m]
+    double force = 0;    ///< largest so far [N]
     Count constraints = 0;
     bool steady = false;  ///< no constraint changed
     double growth() const;
   };
-  static void forget(const Call& call, double h);
+  static void book(const Call& call, double h, double error, double lasting);
   Step take(const Call& call, double until, bool again = false);
   StepStatus step(const Call& call, double until);
   Judged run_halves(const Call& call, double until, double allowed, const Step& coarse);
