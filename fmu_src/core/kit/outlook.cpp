@@ -295,8 +295,10 @@ struct Parting {
 double lasting_part(const StepContext& context, const State& a, const State& b, const Outlook& ahead, double size) {
   if (!context.drive.free.empty() || ahead.growth > 1 || !(ahead.along_normal < ahead.left) || !(size < infinity)) return size;
   const Parting apart(context.model.body, a, b, ahead);
-  const RigidMotion way = rigid_motion(context.model.body.mass, b.x, a.x - b.x);
-  const double place = tangential(ahead.normal, way.velocity).norm() + apart.radius * std::abs(way.spin.dot(ahead.normal));
+  const Scalars& mass = context.model.body.mass;
+  const RigidMotion to = rigid_motion(mass, b.x, a.x), from = rigid_motion(mass, b.x, b.x);  // their difference is the way
+  const double place =
+      tangential(ahead.normal, Vec3(to.velocity - from.velocity)).norm() + apart.radius * std::abs((to.spin - from.spin).dot(ahead.normal));
   const double grown = ahead.along_plane * (apart.lasting.norm() + apart.radius * std::abs(apart.spin.dot(ahead.normal)));
   return std::min(size, place + grown);
 }

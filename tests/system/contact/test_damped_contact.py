@@ -139,10 +139,12 @@ def test_a_sliding_pad_stops_where_friction_stops_it(tau):
     scene = pad(tau, velocity=[0.3, 0.0, 0.0], stop_time=0.5)
     result, start = simulate(scene), 0.5 * MASS * 0.3**2
     way = np.einsum("tpc,p->tc", points(result), scene_masses(scene).mass / MASS)
-    assert way[-1, 0] - way[0, 0] == pytest.approx(0.3**2 / (2 * FRICTION * G), abs=10 * TOLERANCE)
+    assert way[-1, 0] - way[0, 0] == pytest.approx(0.3**2 / (2 * FRICTION * G), abs=TOLERANCE)
     assert vector(result, "plane.ground.reaction")[-1] == pytest.approx([0.0, 0.0, -MASS * G], abs=1e-6 * MASS * G)
     assert result.outputs["energy.dissipated"][-1] == pytest.approx(start, rel=1e-3)  # and what its weight squeezes in
     assert np.abs(way[-20:] - way[-1]).max() < 1e-12
+    if tau == 1e-4:  # what its weight sets ringing is no error of its way
+        assert result.outputs["solver.steps"][-1] + result.outputs["solver.rejected"][-1] < 130
 
 
 @DAMPED
