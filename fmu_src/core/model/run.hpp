@@ -220,7 +220,8 @@ struct DampedRecord {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.trust, s.next_trust, s.share, s.lasting, s.fades, s.constraints, s.doubts, s.rate, s.explicit_until, s.force, s.opening);
+    return fields(s.h, s.trust, s.next_trust, s.share, s.lasting, s.fades, s.constraints, s.doubts, s.rate, s.explicit_until, s.force,
+                  s.opening);
   }
 };
 static_assert(visits_every_field<DampedRecord>);

@@ -56,7 +56,9 @@ struct Readings {
   double landing_error() const { return now.course.neighbour.off.at(now.path.motion.time, model.longest_lasting()); }
   /// The same, and what explicit steps through contact, and what follows from impacts, may have the result err by at the end of the run, so
   /// far [m].
-  double stated_error() const { return hypotenuse(landing_error() + now.path.error.largest(), now.path.damped_error + now.path.damped_fading); }
+  double stated_error() const {
+    return hypotenuse(landing_error() + now.path.error.largest(), now.path.damped_error + now.path.damped_fading);
+  }
   Count contacts_resolved() const { return now.contacts_resolved; }
   /// The method that took the last communication step, and why.
   Method method() const { return now.course.method; }
