@@ -7,7 +7,7 @@
 /// Newton's method, from the motion that the body would have without forces. Three things make it converge in two or three iterations where
 /// the springs are stiff:
 ///   - the rotation in each Newton step is carried out as a rotation (rigid_motion.hpp): straight, it would stretch the springs;
-///   - touches and loads are exact for the linearised equations (linear_contact.hpp; of samples of the surface surface_touches.hpp),
+///   - touches and loads are exact for the linearised equations (linear_contact.hpp; of samples and nodes of a solid surface_touches.hpp),
 ///     friction and loads together;
 ///   - the first guess of the loads takes the points on planes to be in equilibrium: at rest and in steady sliding it is the solution.
 /// The factor is kept while changes fall by ten from one iteration to the next.

@@ -1,4 +1,4 @@
-/// Samples of the object's surface that meet planes, in implicit steps: no sample is behind a plane at the end of a step.
+/// Samples of the object's surface, or nodes of a solid, that meet planes, in implicit steps: none is behind a plane at the end of a step.
 ///
 /// The linearised equations A dx = r + sum_s W_s f_s with as many forces as Coulomb's law and the planes take,
 ///
