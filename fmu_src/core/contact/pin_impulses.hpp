@@ -8,6 +8,13 @@
 
 namespace softffd {
 
+/// Calls visit(point) for what free pins hold.
+template <class Visit>
+void visit_free(const Drive& around, const Visit& visit) {
+  for (const Pin& pin : around.pins)
+    for (std::size_t n = 0; pin.own && n < pin.points.size(); ++n) visit(pin.points[n]);
+}
+
 class PinImpulses {
  public:
   /// A step begins with velocities v.
@@ -38,13 +45,6 @@ class PinImpulses {
   }
 
  private:
-  /// Calls visit(point) for what free pins hold.
-  template <class Visit>
-  static void visit_free(const Drive& around, const Visit& visit) {
-    for (const Pin& pin : around.pins)
-      for (std::size_t n = 0; pin.own && n < pin.points.size(); ++n) visit(pin.points[n]);
-  }
-
   Points start_, given_;  ///< of points of free pins: velocities at the start of the step, what they were given in it [N s]
 };
 

@@ -58,6 +58,8 @@ void Reactions::hold(const StepView& step, SurfaceContact& surface, const Path& 
   kick(step, v0);
   if (surface.hold(step, held_, path.surface, path.motion.free) != StepStatus::ok) return clear();
   for (int axis = 0; axis < 3; ++axis) forces_.col(axis) = step.body.mass * (held_.col(axis) - free_.col(axis)) / (0.5 * step.h);
+  for (int p = 0; p < step.body.points(); ++p)
+    if (step.body.pinned[p]) set_row(forces_, p, Vec3::Zero());
 }
 
 void Reactions::give_back(const StepView& step, Points& v) const {

@@ -151,6 +151,7 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
     const double work = exchange.work, dissipated = exchange.dissipated;
     status = surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
     if (losses(view.around)) exchange.dissipated = dissipated + (exchange.work - work) + slowed(view.body, kicked_, state.v);
+    if (surface_ && losses(view.around)) exchange.dissipated += surface_->loss_of_free_pins(view, state.v);
   }
   pins_.book(view.around, state.v, exchange);
   return status;

@@ -44,3 +44,11 @@ def test_what_is_dissipated_never_comes_back_and_nothing_works_from_outside(inte
     run = run_with(internal_damping)
     assert np.diff(run.outputs["energy.dissipated"]).min() > -1e-9 * FALL
     assert np.abs(run.outputs["energy.work"]).max() < (1e-5 if internal_damping else 2e-5) * FALL
+
+
+@pytest.mark.short("0.0", "0.0001")
+@pytest.mark.parametrize("internal_damping", [0.0, 1e-4, 1e-3])
+def test_what_the_fall_gives_is_stored_or_dissipated(internal_damping, run_with):
+    energies = {name: values for name, values in run_with(internal_damping).outputs.items() if name.startswith("energy.")}
+    balance = sum(energies.values()) - 2 * energies["energy.work"]
+    assert np.ptp(balance) < (1e-5 if internal_damping else 1e-4) * FALL

@@ -392,4 +392,15 @@ double SurfaceContact::loss(const StepView& step, const Points& v1) const {
   return lost;
 }
 
+double SurfaceContact::loss_of_free_pins(const StepView& step, const Points& v1) const {
+  double lost = 0;
+  if (touching_.empty()) return lost;
+  visit_free(step.around, [&](int p) {
+    const Vec3 opened = 1 / step.h * row(drift_.move(), p), closed = row(close_.move(), p);
+    lost -= 0.5 * step.body.mass[p] * (opened + closed).dot(row(start_v_, p) + row(v1, p));
+    if (lands_) lost += 0.25 * step.h * (opened - closed).dot(row(start_force_, p) + row(step.spring, p) + row(step.force, p));
+  });
+  return lost;
+}
+
 }  // namespace softffd

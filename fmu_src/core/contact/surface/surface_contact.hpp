@@ -59,6 +59,8 @@ class SurfaceContact {
   /// Energy that contact took in the step that `close` has ended, less the work of the obstacles' own motion [J], where kicks are those of
   /// kick.hpp. v1: velocities at its end.
   double loss(const StepView& step, const Points& v1) const;
+  /// The part of it that points of free pins had.
+  double loss_of_free_pins(const StepView& step, const Points& v1) const;
   /// Where it is not asked for, nothing is kept for it.
   static bool wants_loss(const StepView& step) { return step.around.watch || !step.body.damped; }
   /// Is anything there for `hold`? Where not, it would leave all velocities as they are.
