@@ -140,7 +140,7 @@ void Solid::add_blocks(const Points& x, const Linearisation& of, BlockSink& sink
       for (int q = 0; q <= p; ++q) {
         Mat3 block;
         for (int c = 0; c < 3; ++c)
-          for (int e = 0; e < 3; ++e) block(c, e) = matrix_->at_nodes[p][q][3 * c + e] + matrix_->projected[3 * c + e][p][q];
+          for (int e = 0; e < 3; ++e) block(c, e) = matrix_->of[3 * c + e].at[p][q];
         sink.add(at + node(p), at + node(q), block);
       }
   }

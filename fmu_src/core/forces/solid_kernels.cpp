@@ -194,12 +194,6 @@ INNER void tangent(const SolidBody& body, double softening, double per_time, con
   });
 }
 
-/// The products of linear functions that the projection is onto, at the nodes: of unit mean square.
-INNER double linear_product(int t, int i, int j, int k) {
-  constexpr double root3 = 1.7320508075688772935, inner = root3 / lobatto::root5, at[4] = {-root3, -inner, inner, root3};
-  return (t & 1 ? at[i] : 1) * (t & 2 ? at[j] : 1) * (t & 4 ? at[k] : 1);
-}
-
 /// Of a node of the quadrature: where its lines of nodes along the axes are, and their derivatives there.
 struct Lines {
   int node[3][4];
@@ -212,77 +206,102 @@ struct Lines {
   }
 };
 
-/// += factor sum over the linear products of v_t v_t', v_t = sum of w times the product times m : gradient.
-INNER void add_projected(const SolidBody& body, double factor, const double (&m)[9][64], double (*sums)[64][64]) {
-  double v[8][3][64] = {}, volume = 0;
-  for (int g = 0; g < 64; ++g) {
-    const int i = g & 3, j = g >> 2 & 3, k = g >> 4;
-    const double w = body.shape.weight[j + 4 * k][i];
-    const Lines lines(body.shape, i, j, k);
-    volume += w;
-    for (int t = 0; t < 8; ++t)
-      for (int a = 0; a < 3; ++a)
-        for (int s = 0; s < 4; ++s)
-          for (int c = 0; c < 3; ++c) v[t][c][lines.node[a][s]] += w * linear_product(t, i, j, k) * lines.slope[a][s] * m[3 * c + a][g];
+/// For each product of linear functions that the projection is onto, of unit mean square, a vector of the patch's unknowns: the root of the
+/// factor times the sum of w times the product times M : gradient. The matrix of factor (Pi M : gradient)^2 is the sum of their squares.
+constexpr int products = 8;
+template <int n>
+INNER void find_projected(const SolidBody& alone, double factor, const Rows<n>* M, double (*v)[3][64]) {
+  constexpr double root3 = 1.7320508075688772935, inner = root3 / lobatto::root5, at[4] = {-root3, -inner, inner, root3};
+  double volume = 0;
+  for (int r = 0; r < rows; ++r) volume += sum_of(load_four<n>(alone.shape.weight[r]));
+  const double scale = root(factor / volume);
+  for (int t = 0; t < products; ++t) {
+    Rows<n> P[9];
+    for (int r = 0; r < rows; ++r) {
+      const double across = scale * (t & 2 ? at[r & 3] : 1) * (t & 4 ? at[r >> 2] : 1);
+      Four<n> w = across * load_four<n>(alone.shape.weight[r]);
+      if (t & 1) w = w * load_four<n>(at);
+      for (int i = 0; i < 9; ++i) P[i][r] = w * M[i][r];
+    }
+    std::memset(v[t], 0, sizeof v[t]);
+    subtract_divergences<n>(alone, P, v[t][0]);
   }
+}
+
+/// = the sum of v v' over these vectors, and what stands above the diagonal has no meaning.
+template <int wide>
+INNER void sum_squares(int count, const double (*v)[3][64], PatchMatrix& into) {
+  constexpr int together = 4;
   for (int c = 0; c < 3; ++c)
     for (int e = 0; e < 3; ++e)
-      for (int p = 0; p < 64; ++p)
-        for (int t = 0; t < 8; ++t) {
-          const double of_p = factor / volume * v[t][c][p];
-          double* row = sums[3 * c + e][p];
-          for (int q = 0; q <= p; ++q) row[q] += of_p * v[t][e][q];
+      for (int p = 0; p < 64; p += together)
+        for (int q = 0; q < p + together; q += wide) {
+          Lanes<wide> sums[together]{};
+          for (int t = 0; t < count; ++t) {
+            const Lanes<wide> of_q = load<wide>(v[t][e] + q);
+            for (int i = 0; i < together; ++i) sums[i] = sums[i] + v[t][c][p + i] * of_q;
+          }
+          for (int i = 0; i < together; ++i) store<wide>(into.of[3 * c + e].at[p + i] + q, sums[i]);
         }
 }
 
+/// What the nodes of a row of the quadrature give on their own, in 3 x 3 blocks by the axes a, b of two derivatives.
 template <int n>
+INNER void blocks_of_row(const SolidBody& body, double viscous, const Four<n>& w, const Nine<n>& f, const Nine<n>& c, const Four<n>& k,
+                         const Four<n>& s, double (*block)[9][4]) {
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      for (int m = 0; m < 3; ++m)
+        for (int e = 0; e < 3; ++e) {
+          Four<n> entry = k * (c(m, a) * c(e, b));
+          if (a == b && m == e) entry = entry + body.mu;
+          if (a != b && m != e) {
+            const Four<n> turned = s * f(3 - m - e, 3 - a - b);
+            entry = ((e - m + 3) % 3 == 1) == ((b - a + 3) % 3 == 1) ? entry + turned : entry - turned;
+          }
+          if (viscous > 0) {
+            entry = entry + viscous * (f(m, b) * f(e, a));
+            if (a == b) entry = entry + viscous * ((f(m, 0) * f(e, 0) + f(m, 1) * f(e, 1)) + f(m, 2) * f(e, 2));
+          }
+          store_four<n>(block[3 * a + b][3 * m + e], w * entry);
+        }
+}
+
+template <int n, int wide>
 INNER void matrix(const SolidBody& body, double softening, double per_time, const double* x, PatchMatrix& into) {
-  Rows<n> F[9], q, t;
-  double f[9][64], c[9][64], k[64], s[64];
+  Rows<n> F[9], C[9], q, t;
   gradients<n>(body, x, F);
   volumes<n>(body, F, q, t);
   for (int r = 0; r < rows; ++r) {
-    const Nine<n> here = row_of<n>(F, r), of_faces = cofactors(here);
+    const Nine<n> c = cofactors(row_of<n>(F, r));
+    for (int i = 0; i < 9; ++i) copy(c.m[i], C[i][r]);
+  }
+  SolidBody alone = body;
+  alone.points = 64, alone.line = 4, alone.layer = 16;
+  double projected[2 * products][3][64];
+  find_projected<n>(alone, body.lambda, C, projected);
+  if (per_time > 0) find_projected<n>(alone, per_time * body.lambda, F, projected + products);
+  sum_squares<wide>(per_time > 0 ? 2 * products : products, projected, into);
+  for (int r = 0; r < rows; ++r) {
+    const Nine<n> f = row_of<n>(F, r), c = row_of<n>(C, r);
     const Pressure<n> now = pressure<n>(body, q[r], t[r]);
-    const Four<n> kept = within(now.p, body.mu / root(longest_square(here, of_faces, q[r] + 1.0)));
-    store_four<n>(s + 4 * r, kept + softening * (now.p - kept));
-    store_four<n>(k + 4 * r, (2 * body.lambda / least_volume) * now.missing + body.mu);
-    for (int i = 0; i < 9; ++i) store_four<n>(f[i] + 4 * r, here.m[i]), store_four<n>(c[i] + 4 * r, of_faces.m[i]);
-  }
-  std::memset(&into, 0, sizeof into);
-  for (int g = 0; g < 64; ++g) {
-    const int i = g & 3, j = g >> 2 & 3, l = g >> 4;
-    const double w = body.shape.weight[j + 4 * l][i], viscous = per_time * body.mu;
-    const Lines lines(body.shape, i, j, l);
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) {
-        double block[9];
-        for (int m = 0; m < 3; ++m)
-          for (int e = 0; e < 3; ++e) {
-            double entry = k[g] * (c[3 * m + a][g] * c[3 * e + b][g]);
-            if (a == b && m == e) entry += body.mu;
-            if (a != b && m != e) {
-              const double turned = s[g] * f[3 * (3 - m - e) + 3 - a - b][g];
-              entry += ((e - m + 3) % 3 == 1) == ((b - a + 3) % 3 == 1) ? turned : -turned;
+    const Four<n> kept = within(now.p, body.mu / root(longest_square(f, c, q[r] + 1.0)));
+    double block[9][9][4];
+    blocks_of_row<n>(body, per_time * body.mu, load_four<n>(body.shape.weight[r]), f, c,
+                     (2 * body.lambda / least_volume) * now.missing + body.mu, kept + softening * (now.p - kept), block);
+    for (int i = 0; i < 4; ++i) {
+      const Lines lines(body.shape, i, r & 3, r >> 2);
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+          for (int u = 0; u < 4; ++u)
+            for (int v = 0; v < 4; ++v) {
+              const int of_p = lines.node[a][u], of_q = lines.node[b][v];
+              if (of_q > of_p) continue;
+              const double slopes = lines.slope[a][u] * lines.slope[b][v];
+              for (int m = 0; m < 9; ++m) into.of[m].at[of_p][of_q] += slopes * block[3 * a + b][m][i];
             }
-            if (viscous > 0) {
-              entry += viscous * (f[3 * m + b][g] * f[3 * e + a][g]);
-              if (a == b)
-                entry += viscous * (f[3 * m][g] * f[3 * e][g] + f[3 * m + 1][g] * f[3 * e + 1][g] + f[3 * m + 2][g] * f[3 * e + 2][g]);
-            }
-            block[3 * m + e] = w * entry;
-          }
-        for (int u = 0; u < 4; ++u)
-          for (int v = 0; v < 4; ++v) {
-            if (lines.node[b][v] > lines.node[a][u]) continue;
-            const double slopes = lines.slope[a][u] * lines.slope[b][v];
-            double* sum = into.at_nodes[lines.node[a][u]][lines.node[b][v]];
-            for (int m = 0; m < 9; ++m) sum[m] += slopes * block[m];
-          }
-      }
+    }
   }
-  add_projected(body, body.lambda, c, into.projected);
-  if (per_time > 0) add_projected(body, per_time * body.lambda, f, into.projected);
 }
 
 template <int n>
@@ -391,7 +410,7 @@ decltype(subtract_elastic) subtract_elastic = chosen<patch::elastic<2>, patch::e
 decltype(find_gradients) find_gradients = chosen<patch::all_gradients<2>, patch::all_gradients<4>>();
 decltype(subtract_viscous) subtract_viscous = chosen<patch::viscous<2>, patch::viscous<4>>();
 decltype(subtract_tangent) subtract_tangent = chosen<patch::tangent<2>, patch::tangent<4>>();
-decltype(patch_matrix) patch_matrix = chosen<patch::matrix<2>, patch::matrix<4>>();
+decltype(patch_matrix) patch_matrix = chosen<patch::matrix<2, 2>, patch::matrix<4, 4>, patch::matrix<4, 8>>();
 decltype(patch_volumes) patch_volumes = chosen<patch::volumes_of<2>, patch::volumes_of<4>>();
 decltype(solid_energy) solid_energy = chosen<patch::energy<2>, patch::energy<4>>();
 decltype(viscous_power) viscous_power = chosen<patch::power<2>, patch::power<4>>();

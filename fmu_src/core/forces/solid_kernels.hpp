@@ -51,10 +51,13 @@ extern void (*const subtract_viscous)(const SolidBody& body, double time, double
 /// stiffness beyond what a rotation needs, from 0 to 1.
 extern void (*const subtract_tangent)(const SolidBody& body, double softening, double per_time, const double* x, const double* u,
                                       double* f);
-/// The same matrix of one patch, whose first node is the first of x, in 3 x 3 blocks of its nodes p >= q, 64 of them.
+/// The same matrix of one patch, whose first node is the first of x, for its nodes p >= q, 64 of them: of[3 c + e].at[p][q] is by
+/// coordinate c of p and e of q. Their spare numbers keep the nine off each other's cache sets.
 struct PatchMatrix {
-  double at_nodes[64][64][9];   ///< [p][q][3 c + e]: what the nodes of the quadrature give on their own,
-  double projected[9][64][64];  ///< [3 c + e][p][q]: and the projection of the volume
+  struct Entry {
+    double at[64][64], spare[8];
+  };
+  Entry of[9];
 };
 extern void (*const patch_matrix)(const SolidBody& body, double softening, double per_time, const double* x, PatchMatrix& matrix);
 /// J - 1 at the nodes of one patch, whose first node is the first of x.
