@@ -100,10 +100,11 @@ void LayerMatrix::solve_together(std::span<Points* const> sides) {
   static_assert(together == kernels::block);
   vectors_ = Scalars::Zero(vector_.size() * together);
   const auto visit = [&](auto take) {
-    for (std::size_t s = 0; s < sides.size(); ++s)
-      for (int a = 0; a < 3; ++a)
-        for (int p = 0; p < int(first_.size()); ++p)
-          take((*sides[s])(p, a), vectors_[unknown(p, a) * Eigen::Index(together) + Eigen::Index(s)]);
+    for (int a = 0; a < 3; ++a)
+      for (int p = 0; p < int(first_.size()); ++p) {
+        double* together_at = &vectors_[unknown(p, a) * Eigen::Index(together)];
+        for (std::size_t s = 0; s < sides.size(); ++s) take((*sides[s])(p, a), together_at[s]);
+      }
   };
   visit([](double from, double& to) { to = from; });
   for (int l = 0, i = 0; l < layers_; ++l, i += size_)

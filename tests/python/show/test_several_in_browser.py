@@ -72,7 +72,7 @@ def test_an_obstacle_is_hatched_and_named_from_its_solid_side(tmp_path):
         dark = []
         for pitch, name in ((0.4, "press"), (-0.4, "ground")):
             opened.ask(f"camera.pitch = {pitch}, set_playing(false)")
-            assert opened.wait_for(f"{LABELS}.length && {LABELS}") == [f"{name}, from its solid side"]
+            opened.wait_for(f"String({LABELS}) === '{name}, from its solid side'")
             opened.shot(tmp_path / f"{name}.png")
             dark.append(np.asarray(Image.open(tmp_path / f"{name}.png").convert("L"))[440:520, 30:600])
         assert np.abs(np.diff(dark[1].astype(int), axis=1)).mean() > 0.5  # lines across the ground
