@@ -136,11 +136,11 @@ void Solid::add_blocks(const Points& x, const Linearisation& of, BlockSink& sink
   for (int patch = 0; patch < int(bounds_.size()); ++patch) {
     const int at = first_node(patch);
     kernels::patch_matrix(body_, of.softening, of.per_time * time_, x.data() + at, *matrix_);
-    for (int p = 0; p < 64; ++p)
-      for (int q = 0; q <= p; ++q) {
+    for (int q = 0; q < 64; ++q)
+      for (int p = q; p < 64; ++p) {
         Mat3 block;
         for (int c = 0; c < 3; ++c)
-          for (int e = 0; e < 3; ++e) block(c, e) = matrix_->of[3 * c + e].at[p][q];
+          for (int e = 0; e < 3; ++e) block(c, e) = matrix_->of[3 * c + e].at[q][p];
         sink.add(at + node(p), at + node(q), block);
       }
   }

@@ -228,20 +228,20 @@ INNER void find_projected(const SolidBody& alone, double factor, const Rows<n>* 
   }
 }
 
-/// = the sum of v v' over these vectors, and what stands above the diagonal has no meaning.
+/// = the sum of v v' over these vectors, and what stands at p < q has no meaning.
 template <int wide>
 INNER void sum_squares(int count, const double (*v)[3][64], PatchMatrix& into) {
   constexpr int together = 4;
   for (int c = 0; c < 3; ++c)
     for (int e = 0; e < 3; ++e)
-      for (int p = 0; p < 64; p += together)
-        for (int q = 0; q < p + together; q += wide) {
+      for (int q = 0; q < 64; q += together)
+        for (int p = q / wide * wide; p < 64; p += wide) {
           Lanes<wide> sums[together]{};
           for (int t = 0; t < count; ++t) {
-            const Lanes<wide> of_q = load<wide>(v[t][e] + q);
-            for (int i = 0; i < together; ++i) sums[i] = sums[i] + v[t][c][p + i] * of_q;
+            const Lanes<wide> of_p = load<wide>(v[t][c] + p);
+            for (int i = 0; i < together; ++i) sums[i] = sums[i] + of_p * v[t][e][q + i];
           }
-          for (int i = 0; i < together; ++i) store<wide>(into.of[3 * c + e].at[p + i] + q, sums[i]);
+          for (int i = 0; i < together; ++i) store<wide>(into.of[3 * c + e].at[q + i] + p, sums[i]);
         }
 }
 
@@ -298,7 +298,7 @@ INNER void matrix(const SolidBody& body, double softening, double per_time, cons
               const int of_p = lines.node[a][u], of_q = lines.node[b][v];
               if (of_q > of_p) continue;
               const double slopes = lines.slope[a][u] * lines.slope[b][v];
-              for (int m = 0; m < 9; ++m) into.of[m].at[of_p][of_q] += slopes * block[3 * a + b][m][i];
+              for (int m = 0; m < 9; ++m) into.of[m].at[of_q][of_p] += slopes * block[3 * a + b][m][i];
             }
     }
   }

@@ -51,7 +51,7 @@ extern void (*const subtract_viscous)(const SolidBody& body, double time, double
 /// stiffness beyond what a rotation needs, from 0 to 1.
 extern void (*const subtract_tangent)(const SolidBody& body, double softening, double per_time, const double* x, const double* u,
                                       double* f);
-/// The same matrix of one patch, whose first node is the first of x, for its nodes p >= q, 64 of them: of[3 c + e].at[p][q] is by
+/// The same matrix of one patch, whose first node is the first of x, for its nodes p >= q, 64 of them: of[3 c + e].at[q][p] is by
 /// coordinate c of p and e of q. Their spare numbers keep the nine off each other's cache sets.
 struct PatchMatrix {
   struct Entry {
