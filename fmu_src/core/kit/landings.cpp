@@ -152,7 +152,7 @@ Drift sliding_apart(const StepContext& context, const Vec3& velocity) {
   const NearestObstacle nearest = nearest_obstacle(context, motion);
   const RigidMotion rigid = rigid_motion(context.model.body.mass, motion.x, motion.v);
   const double speed = tangential(ahead.normal, velocity).norm(), grip = nearest.plane->friction * ahead.pressing;
-  if (ahead.slides_on || !(grip > 0)) return {.speed = speed};
+  if (ahead.slides_on() || !(grip > 0)) return {.speed = speed};
   return {.place = speed * tangential(ahead.normal, rigid.velocity - nearest.obstacle.material_velocity(rigid.centre)).norm() / grip};
 }
 

@@ -215,7 +215,8 @@ Outlook outlook(const StepContext& context, const State& state) {
     return ahead;
   }
   if (!(pressing > 0)) return ahead;
-  ahead.slides_on = tangential(obstacle.normal, pushed).norm() >= plane->friction * pressing;
+  ahead.drive = tangential(obstacle.normal, pushed).norm();
+  ahead.grip = plane->friction * pressing;
   const Body& body = context.model.body;
   const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
   const double radius = radius_about(motion.centre, state.x), period = slowest_period(context);

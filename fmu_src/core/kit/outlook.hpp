@@ -12,9 +12,11 @@ namespace softffd {
 struct Outlook {
   Vec3 normal;  ///< of the nearest obstacle
   double along_normal, along_plane;
-  double left;             ///< of the run
-  double pressing;         ///< acceleration towards the obstacle [m/s2]
-  bool slides_on = false;  ///< friction does not hold it against what drives it along the obstacle
+  double left;      ///< of the run
+  double pressing;  ///< acceleration towards the obstacle [m/s2]
+  /// Accelerations along the obstacle of a body that nothing else holds: what drives it, and what friction gives at most [m/s2].
+  double drive = 0, grip = std::numeric_limits<double>::infinity();
+  bool slides_on() const { return drive >= grip; }
   /// Of a body that slides: the velocity along the obstacle that it is given with each unit of that along the normal.
   Vec3 rub = Vec3::Zero();
   /// Of a body that falls over: how many times what two states differ by grows until it lands or the run ends, and the way of its outermost
