@@ -108,3 +108,17 @@ def test_a_bar_that_strikes_a_wall_stays_for_two_passages_of_its_wave(counts, re
     assert force[5:40].mean() == pytest.approx(DENSITY * wave * side**2 * SPEED, rel=0.01)
     speed = (node_velocities(result)[-1, :, 0] @ node_masses(scene)) / node_masses(scene).sum()
     assert rebound < speed / SPEED < 1
+
+
+def test_what_rings_creeps_though_friction_would_hold_it_at_rest():
+    """On 93 % of the slope that it slides on, and let go unstrained. By explicit steps that follow all that rings."""
+    scene = solid(
+        4, ratio=0.3324, modulus=257e3, density=1.087, size=[1.064, 0.6148, 0.7603], internal_damping=2e-6,
+        gravity=[-4.077968, -2.293313, -8.62247], plane=[{"name": "ground", "friction": 0.5819}], stop_time=0.36, communication_step=0.018,
+    )  # fmt: skip
+    tolerance = 1e-3
+    by_itself = simulate(scene, tolerance=tolerance)
+    explicit = simulate(scene, start_values={"solver.method": "leapfrog", "solver.step": 2e-5})
+    allowed = tolerance * 1.064
+    assert np.linalg.norm(nodes(explicit)[-1] - nodes(explicit)[0], axis=1).min() > 15 * allowed
+    assert np.linalg.norm(nodes(by_itself)[-1] - nodes(explicit)[-1], axis=1).max() < 10 * allowed
