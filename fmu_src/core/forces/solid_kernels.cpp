@@ -130,40 +130,6 @@ INNER void viscous(const SolidBody& body, double time, double drift, double* kep
   });
 }
 
-INNER double larger(double a, double b) { return a > b ? a : b; }
-INNER double root(double a) { return std::sqrt(a); }
-
-/// The largest eigenvalue of a symmetric 3 x 3 matrix by its trace, the sum of its principal minors and its determinant, or a little more:
-/// from the bound by the first two, which is exact where the two smaller ones agree, Newton's method comes down to it. Where eigenvalues
-/// agree, as those of a body that turns, the slope is lost in rounding: a larger one comes down less.
-template <class Number>
-INNER Number top(const Number& trace, const Number& minors, const Number& determinant) {
-  const Number least = larger(1e-8 * (trace * trace - 2.0 * minors), 1e-300);
-  Number value = (1.0 / 3) * trace + root(larger((4.0 / 9) * (trace * trace) - (4.0 / 3) * minors, 0.0));
-  for (int step = 0; step < 3; ++step) {
-    const Number above = ((value - trace) * value + minors) * value - determinant, slope = (3.0 * value - 2.0 * trace) * value + minors;
-    value = value - larger(above, 0.0) / larger(slope, least);
-  }
-  return value;
-}
-
-/// The square of a matrix's largest singular value.
-INNER double norm(const double (&m)[9]) {
-  double s[3][3];
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) s[a][b] = m[a] * m[b] + m[3 + a] * m[3 + b] + m[6 + a] * m[6 + b];
-  const double xy = s[0][0] * s[1][1] - s[0][1] * s[0][1], xz = s[0][0] * s[2][2] - s[0][2] * s[0][2],
-               yz = s[1][1] * s[2][2] - s[1][2] * s[1][2];
-  const double all = m[0] * (m[4] * m[8] - m[5] * m[7]) + m[1] * (m[5] * m[6] - m[3] * m[8]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
-  return top(s[0][0] + s[1][1] + s[2][2], xy + xz + yz, all * all);
-}
-
-/// Of F the same at the nodes of a row, by its cofactors and its determinant.
-template <int n>
-INNER Four<n> longest_square(const Nine<n>& f, const Nine<n>& c, const Four<n>& volume) {
-  return top(dot(f, f), dot(c, c), volume * volume);
-}
-
 template <int n>
 INNER void tangent(const SolidBody& body, double softening, double per_time, const double* x, const double* u, double* f) {
   each_patch(body, [&](std::ptrdiff_t at) INLINED {

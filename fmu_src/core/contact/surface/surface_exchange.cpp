@@ -1,4 +1,4 @@
-/// What contact of the surface gives obstacles, pins and free bodies, and tangents of bodies that turn.
+/// What contact of the surface gives obstacles, pins and free bodies, the energy that it takes, and tangents of bodies that turn.
 #include <algorithm>
 
 #include "contact/surface/surface_contact.hpp"
@@ -164,6 +164,37 @@ double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage
     work += pins_.give(step, held, impulse, held.velocity(), exchange);
   });
   return work;
+}
+
+/// Its impulses J change the kinetic energy by J . w, where w is the mean of the velocities at both ends of the step. Where a sample lands
+/// they also move the points in the step, on which the forces F work: half a step at the drift and as much less at the closing. Lasting
+/// contact balances the part of F that this takes for work, and does none.
+double SurfaceContact::loss(const StepView& step, const Points& v1) const {
+  if (touching_.empty()) return 0;
+  const int n = step.body.points();
+  const Scalars &opening = step.kicks.opening_mass(), &closing = step.kicks.closing_mass();
+  const Points &move = drift_.move(), &stop = close_.move();
+  const double rate = 1 / step.h;
+  const PointRange range{std::min(drift_.range().begin, close_.range().begin), std::max(drift_.range().end, close_.range().end)};
+  double lost = kernels::energy_taken(n, range, opening.data(), rate, move.data(), closing.data(), stop.data(), start_v_.data(), v1.data());
+  for (int axis = 0; lands_ && axis < 3; ++axis)
+    for (int p = 0; p < n; ++p) {
+      const double more = rate * opening[p] * move(p, axis) - closing[p] * stop(p, axis);
+      const double force = 0.5 * (start_force_(p, axis) + step.spring(p, axis) + step.force(p, axis));
+      lost += more * 0.5 * step.h * step.body.inverse_mass[p] * force;
+    }
+  return lost;
+}
+
+double SurfaceContact::loss_of_free_pins(const StepView& step, const Points& v1) const {
+  double lost = 0;
+  if (touching_.empty()) return lost;
+  visit_free(step.around, [&](int p) {
+    const Vec3 opened = 1 / step.h * row(drift_.move(), p), closed = row(close_.move(), p);
+    lost -= 0.5 * step.body.mass[p] * (opened + closed).dot(row(start_v_, p) + row(v1, p));
+    if (lands_) lost += 0.25 * step.h * (opened - closed).dot(row(start_force_, p) + row(step.spring, p) + row(step.force, p));
+  });
+  return lost;
 }
 
 }  // namespace softffd
