@@ -54,6 +54,7 @@ void Reactions::close(const StepView& step, const Contact& contact, const Points
     if (!rested_[p]) set_row(forces_, p, Vec3::Zero());
 }
 
+/// Of points that a pin holds too the force is the pin's: in the kick it would count as lost.
 void Reactions::hold(const StepView& step, SurfaceContact& surface, const Path& path, const Points& v0) {
   kick(step, v0);
   if (surface.hold(step, held_, path.surface, path.motion.free) != StepStatus::ok) return clear();

@@ -68,7 +68,7 @@ double step_work(const Body& body, const Drive& around, const Run& run, Method m
 
 /// Measured, a factor's work with that of its matrix: springs of 4 to 16 points an axis (conjugate gradients: 30 iterations of 3.3 to 3.8
 /// evaluations each); solids from one patch to 10 x 10 x 10 nodes, with the instructions of AVX-512, AVX2 and SSE2, whose costs in
-/// evaluations lie within 1.5 of each other. Of a solid's layers the last is one plane.
+/// evaluations lie within a factor of two of each other. Of a solid's layers the last is one plane.
 ImplicitWork::ImplicitWork(const Lattice& lattice) {
   const int points = LayerMatrix::points_per_layer(lattice);
   const double per_layer = points / 16.0;
