@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/free/solid_samples.hpp"
 #include "contact/tolerances.hpp"
 #include "kit/thresholds.hpp"
 #include "machine/elementary.hpp"

@@ -4,6 +4,7 @@
 #pragma once
 #include "kit/integrators.hpp"
 #include "kit/landings.hpp"
+#include "model/arithmetic.hpp"
 
 namespace softffd {
 
