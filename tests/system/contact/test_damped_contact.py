@@ -52,9 +52,9 @@ def lead(body: Stepper, path: Path, until: float, H: float) -> tuple[np.ndarray,
 # ---- rest, slide, press, led pad ----
 
 
-def waving(grid: float) -> Path:
+def waving(grid: float, until: float = 0.05) -> Path:
     """Pressed down by 0.2 mm in the first 10 ms and led to and fro by 1 mm at 20 Hz, straight between the multiples of grid [s]."""
-    times = np.arange(0.0, 0.05 + 1.5 * grid, grid)
+    times = np.arange(0.0, until + 1.5 * grid, grid)
     sideways, down = 0.001 * np.sin(2 * np.pi * 20 * (times if grid < 0.05 else 0.25 * times)), 0.0002 * np.minimum(times / 0.01, 1)
     return lambda time: np.array([0.05 + np.interp(time, times, sideways), 0.05, 0.05 - np.interp(time, times, down)])
 
@@ -97,6 +97,13 @@ def test_places_keep_the_tolerance_and_mean_reactions_a_hundredth(kind, tau, H):
     mean = f.reshape(-1, every, 3).mean(axis=1)
     assert np.abs(places - x[every - 1 :: every]).max() < TOLERANCE
     assert np.abs(reactions - mean).max() < 0.01 * np.abs(mean).max()
+
+
+def test_mean_reactions_keep_a_hundredth_where_the_pad_slips_and_sticks_again_and_again():
+    """Two swings: 1.6 % off in the second when two runs of a step that both step over the slip were taken at their word."""
+    with Stepper(led(1e-4), start_values=EXPLICIT) as exact, Stepper(led(1e-4)) as body:
+        (_, f), (_, reactions) = (lead(each, waving(5e-3, 0.1), 0.1, 5e-3) for each in (exact, body))
+    assert np.abs(reactions - f).max() < 0.01 * np.abs(f).max()
 
 
 # ---- stick and slip ----
