@@ -81,6 +81,7 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
       touches = true;
     } else {
       path.error.add({neglected * free});
+      if (stiff.flown > 0) stiff.flown += neglected * free;
     }
   }
   if (!touches) return StepStatus::ok;
@@ -97,7 +98,7 @@ bool Flights::can_fly(const Beside& at, double least, double until) {
   return free >= std::min(most, least);
 }
 
-double Flights::phase_error(const Beside& at, const State& other, const Outlook& ahead, double& gain) {
+Flights::PhaseError Flights::phase_error(const Beside& at, const State& other, const Outlook& ahead) {
   const StepContext& context = at.context;
   const State& motion = context.run.path.motion;
   const Equations equations = context.equations();
@@ -106,16 +107,18 @@ double Flights::phase_error(const Beside& at, const State& other, const Outlook&
   flight_.enter(equations, motion.time, motion);
   context.run.course.work += 3 * use::entry_work;
   const double between = flight_.difference(), mean = flight_.mean_frequency();
+  PhaseError found{.apart = mean > 0 ? between / mean : 0};
   const double next = flight_.until_touch(equations, ahead.left, 0, true);
-  if (next >= ahead.left) return 0;
+  if (next >= ahead.left) return found;
   const double energy = flight_.energy_after(next);
   const RigidState& rigid = flight_.rigid();
   const RigidMotion then{.centre = rigid.centre, .velocity = rigid.velocity, .spin = rigid.spin};
   const double speed = approach_speed(context, motion, then, flight_.modes().radius);
   const double time = std::min(ahead.left - next, ahead.pressing > 0 ? 4 * speed / ahead.pressing : infinity);
   const double effect = use::rebound_share * std::sqrt(2 * energy / flight_.modes().mass) * time;
-  gain = effect > use::window_share * context.request.tolerance ? mean / speed * effect : 0;
-  return use::echo_share * ahead.along_plane * between * flight_.remaining(next) * (1 - next / ahead.left) / 3;
+  found.gain = effect > use::window_share * context.request.tolerance ? mean / speed * effect : 0;
+  found.at_impact = use::echo_share * ahead.along_plane * between * flight_.remaining(next) * (1 - next / ahead.left) / 3;
+  return found;
 }
 
 }  // namespace softffd

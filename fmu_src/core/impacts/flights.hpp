@@ -16,9 +16,13 @@ class Flights {
   StepStatus fly(const Beside& at, bool rings);
   /// Whether nothing can be touched for `least` [s], or until then.
   bool can_fly(const Beside& at, double least, double until);
-  /// What the vibrations of two states of this moment differ by will do at the next impact [m]. gain: how many times a difference of
-  /// positions grows there, by the phase that the vibrations will have.
-  double phase_error(const Beside& at, const State& other, const Outlook& ahead, double& gain);
+  /// What the vibrations of two states of this moment differ by.
+  struct PhaseError {
+    double apart = 0;      ///< places [m]
+    double at_impact = 0;  ///< what the next impact will make of it [m]
+    double gain = 0;       ///< how many times a difference of positions grows there, by the phase that the vibrations will have
+  };
+  PhaseError phase_error(const Beside& at, const State& other, const Outlook& ahead);
   bool has_modes(const Body& body) { return flight_.possible(body); }
 
  private:

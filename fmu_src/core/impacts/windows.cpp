@@ -36,8 +36,8 @@ constexpr int most_window_tries = 6;
 /// goes on alone: given to one that had not touched yet it would make the impact a single unchecked run.
 constexpr double easy = 0.4;
 constexpr Count longest_window_trust = 32;
-/// Of the tolerance, what vibrations are off by at least when they have flown by their modes: measured, a tenth of it states three times as
-/// much as is true, a thousandth a third of it at times.
+/// Of the tolerance, what vibrations are off by when they have flown by their modes and the contact before was run once: measured, a tenth
+/// of it states three times as much as is true, a thousandth a third of it at times.
 constexpr double flown_error = 0.01;
 /// Energy that may be damped away, in that of the pressing force along the tolerance [1]: it cannot move the body further.
 constexpr double quiet_energy = 0.1;
@@ -111,6 +111,7 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
   if (lost || (!fresh && stiff.trust > 0 && !off_obstacles(context, touching))) {
     if (!lost) --stiff.trust;
     start_ = path;
+    stiff.flown = 0;
     const double h = lost && flown ? use::after_flight * at.limit : at.limit;
     const StepStatus status = listen(at, flights, h, until, true);
     stiff.settling = stiff.phase == Phase::rest;
@@ -132,10 +133,10 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     if (status != StepStatus::ok) return status;
     const Outlook ahead = outlook(context, path.motion);
     LeftOver left = left_over(context, coarse_.motion, path.motion, ahead).times(1.0 / 3);
-    double gain = 0;
-    if (rings) left.size = std::max(left.size, flights.phase_error(at, coarse_.motion, ahead, gain));
+    const Flights::PhaseError phase = rings ? flights.phase_error(at, coarse_.motion, ahead) : Flights::PhaseError();
+    left.size = std::max(left.size, phase.at_impact);
     const double error = left.size;
-    const double exact = use::window_share * tolerance / (1 + gain);
+    const double exact = use::window_share * tolerance / (1 + phase.gain);
     const double known = fresh && stiff.unknown > use::hopeless * tolerance ? use::share_of_known * stiff.unknown : 0;
     const double allowed = std::max(path.total_error() > exact ? use::window_share * tolerance : exact, known);
     if (error <= allowed || 0.5 * h <= least || tries == use::most_window_tries) {
@@ -146,6 +147,7 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
       stiff.settling = next == Phase::rest;
       stiff.trust = easy ? stiff.next_trust : 0;
       stiff.next_trust = easy ? std::min(2 * stiff.next_trust, use::longest_window_trust) : 1;
+      stiff.flown = (easy ? 1 : 1.0 / 3) * phase.apart;
       snapshot.commit();
       if (!follow(at)) path.error.add(easy ? left.times(4) : left);
       return StepStatus::ok;
@@ -163,6 +165,11 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
   }
 }
 
+/// What vibrations were off by when the window began, by the last one that was run twice [m].
+double Windows::flown(const StepContext& context) const {
+  return start_.stiff.flown > 0 ? start_.stiff.flown : use::flown_error * context.request.tolerance;
+}
+
 /// What the window makes of errors. A flight waits for the neighbour to be off the obstacles too, for a vibration's time; where the body
 /// rests, so does the neighbour. Returns whether that is known.
 bool Windows::follow(const Beside& at) {
@@ -172,7 +179,7 @@ bool Windows::follow(const Beside& at) {
   const double begun = start_.motion.time, length = path.motion.time - begun;
   const Count steps = divisions(length, Landings::lands(context, begun, impacts_ > 0) ? at.limit : path.clock.h);  // cut where it lands
   landings_.follow(at.integrators, context, start_.motion, Method::leapfrog, {begun, 0, length / double(steps), steps}, impacts_ > 0,
-                   start_.stiff.phase == Phase::impact ? use::flown_error : 0);
+                   start_.stiff.phase == Phase::impact ? flown(context) : 0);
   if (neighbour.off.time != path.motion.time) return false;
   if (!neighbour.follows) return true;
   StiffContact& stiff = context.run.path.stiff;

@@ -21,6 +21,7 @@ class Windows {
 
  private:
   bool follow(const Beside& at);
+  double flown(const StepContext& context) const;
   StepStatus listen(const Beside& at, Flights& flights, double h, double until, bool decide);
 
   Path start_, coarse_;

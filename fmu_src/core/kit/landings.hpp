@@ -7,7 +7,8 @@
 ///
 /// A landing later or earlier by itself is no error that grows: what follows is the same, only later. What grows is that the vibrations, or
 /// the attitude, are others when the body lands; and what one contact adds, the next may take away. Runs tell that, a product of factors
-/// does not. What a flight errs by is not known: vibrations are taken to be off by a share of the tolerance.
+/// does not. Vibrations land as far out of phase as two runs of the contact before have left them, or, where that is not known, by a share
+/// of the tolerance.
 #pragma once
 #include "kit/integrators.hpp"
 
@@ -16,8 +17,8 @@ namespace softffd {
 class Landings {
  public:
   explicit Landings(const Run& run) : path_(run.path) {}
-  /// The path has come from begin by these steps, or by twice as many. impact: something came onto an obstacle. flown: of the tolerance,
-  /// what a flight before may have put vibrations off by; 0: it is not known. anyway: even where something touched before.
+  /// The path has come from begin by these steps, or by twice as many. impact: something came onto an obstacle. flown: what
+  /// vibrations may be off by when they land [m]; 0: it is not known. anyway: even where something touched before.
   void follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span, bool impact,
               double flown = 0, bool anyway = false);
   /// Whether steps from this time on are of a landing, in which the neighbour's are short; else it rattles.

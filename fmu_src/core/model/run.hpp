@@ -174,14 +174,15 @@ struct StiffContact {
   Count rest_trust = 0, next_rest_trust = 1;  ///< the same for steps at rest
   double step = 0;                            ///< at rest [s]; 0: none yet
   double unknown = 0;                         ///< that the vibrations' unknown phases at impacts may have added [m]
+  double flown = 0;                           ///< what vibrations in flight may be off by [m]; 0: not known
 
   /// Begins anew in this phase; what it has cost stays.
-  void begin(Phase next) { *this = {.phase = next, .doubts = next == Phase::flight ? 0 : doubts, .unknown = unknown}; }
+  void begin(Phase next) { *this = {.phase = next, .doubts = next == Phase::flight ? 0 : doubts, .unknown = unknown, .flown = flown}; }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.phase, s.settling, s.looks, s.impulse, s.listened, s.loudest, s.pressing, s.since, s.doubts, s.trust, s.next_trust,
-                  s.trusted, s.rest_trust, s.next_rest_trust, s.step, s.unknown);
+                  s.trusted, s.rest_trust, s.next_rest_trust, s.step, s.unknown, s.flown);
   }
 };
 static_assert(visits_every_field<StiffContact>);
