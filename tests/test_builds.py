@@ -1,5 +1,6 @@
 """Another compiler and other instruction sets give the same bits: zig's compiler (clang) in the place of the machine's, as releases are
-built, file by file, so that each names what it includes, and narrower registers than the processor has. All are held against the fingerprint.
+built, and file by file, so that each names what it includes; and narrower registers than the processor has. All are held against the
+fingerprint.
 """
 
 import os

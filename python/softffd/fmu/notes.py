@@ -13,6 +13,7 @@ from softffd.embedding.nodes import volume_shares
 from softffd.embedding.samples import Samples
 from softffd.lattice import point_at
 from softffd.rotation import turned
+from softffd.scene.cells import WIDEST, across_longest
 from softffd.scene.springs import WAYS, springs
 
 if TYPE_CHECKING:
@@ -29,10 +30,11 @@ READABLE = 20_000  # more variables than this make the descriptions slow to read
 
 def body_notes(scene: Scene, masses: Masses, samples: Samples | None) -> list[str]:
     """How much of its box the mesh fills, where the centre of mass has moved, how many times too large the inertia is, which points are so
-    light that steps are short, what the start does to centre of mass and pins, which points of the surface obstacles meet, which obstacles
-    pass through each other."""
-    of_mass = fill_note(scene), shift_note(scene, masses), inertia_note(scene, masses), light_note(scene, masses)
-    notes = *of_mass, spin_note(scene, masses), pins_note(scene), samples_note(samples), free_note(scene)
+    light that steps are short, whether it is too wide for implicit steps, what the start does to centre of mass and pins, which points of
+    the surface obstacles meet, which obstacles pass through each other."""
+    of_mass = fill_note(scene), shift_note(scene, masses), inertia_note(scene, masses)
+    of_steps = light_note(scene, masses), wide_note(scene)
+    notes = *of_mass, *of_steps, spin_note(scene, masses), pins_note(scene), samples_note(samples), free_note(scene)
     return [note for note in notes if note]
 
 
@@ -104,6 +106,18 @@ def _light_node_note(scene: Scene, mass: np.ndarray) -> str | None:
     instead = 'mass.distribution = "box"' if key == "mass.uniform_share" else f"a larger {key}"
     which = f"node {place} with {mass[first]:.3g} kg, where the box has {of_box[first]:.3g} kg,"
     return f"{which} makes explicit steps up to {times:.2g} times shorter; {instead} makes them longer"
+
+
+def wide_note(scene: Scene) -> str | None:
+    """That a solid has too many points for implicit steps, where it would take them: damped, or beside an obstacle."""
+    across = across_longest(scene.lattice.points)
+    implicit = scene.material.internal_damping or scene.plane or scene.solids
+    if not (scene.is_solid and across > WIDEST and implicit and scene.solver.method == "auto"):
+        return None
+    return (
+        f"{across} points across the longest axis are more than implicit steps take, {WIDEST}, as 10 x 10: damped or at rest, the body "
+        "takes explicit steps, which may be many times slower"
+    )
 
 
 def _squared_frequencies(scene: Scene, mass: np.ndarray) -> np.ndarray:

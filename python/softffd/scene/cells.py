@@ -9,6 +9,9 @@ LONGEST, FLATTEST = math.sqrt(1.5), math.sqrt(2)
 """How many times longer a cell of springs may be in one direction than in the other two, and in two than in the third."""
 SLENDER, SLENDER_PATCH = 2.5, 4.0
 """How many times longer a cell of a solid may be in one direction than in another; those of a single patch"""
+WIDEST = 320 // PATCH
+"""Points across the longest axis of a solid for which there are matrices, which have a layer's three planes in a block
+(fmu_src/core/matrix/lattice_matrix.hpp)"""
 Fits = Callable[[Sequence[float], Sequence[int]], bool]  # whether a body can have so many cells in a box of these sides [m]
 
 
@@ -29,6 +32,11 @@ def cubic(size: Sequence[float], spacing: float) -> tuple[int, ...]:
 def cubic_along(size: Sequence[float], longest: int) -> tuple[int, ...]:
     """The same with this number of cells along the longest side."""
     return cubic(size, max(size) / longest)
+
+
+def across_longest(points: Sequence[int]) -> int:
+    """Points of a plane across the axis with the most of them."""
+    return math.prod(points) // max(points)
 
 
 def _nearest(cells: float) -> int:

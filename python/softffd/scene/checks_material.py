@@ -1,12 +1,24 @@
 """The checks of the material: of springs stiffness or modulus, what of it regions may override, and the cells that a modulus needs; of a
 solid its lattice and its methods; and keys that only the other of the two has."""
 
-import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
 from softffd.lattice import cells_within
-from softffd.scene.cells import FLATTEST, LONGEST, MOST, PATCH, SLENDER, SLENDER_PATCH, Fits, fit_solid, fit_springs, nearest_fit
+from softffd.scene.cells import (
+    FLATTEST,
+    LONGEST,
+    MOST,
+    PATCH,
+    SLENDER,
+    SLENDER_PATCH,
+    WIDEST,
+    Fits,
+    across_longest,
+    fit_solid,
+    fit_springs,
+    nearest_fit,
+)
 from softffd.scene.draft import Draft
 from softffd.scene.faults import Fault, KeyPath, either, refused, toml_text
 from softffd.scene.sections import Stiffness
@@ -34,9 +46,6 @@ OF_SOLIDS = {
 OF_PROBES_OF_SOLIDS = dict.fromkeys(("stress", "von_mises", "stretch"), "Result.stress and Result.strain have those of the cells")
 """The same of a probe"""
 METHODS, IMPLICIT = ("auto", "leapfrog", "bm4", "rkn12", "dop853"), ("ros34pw2", "backward_euler", "sdirk2")
-WIDEST = 320
-"""Of a solid for which there are matrices, the nodes of a layer: three planes across the axis with the most points
-(fmu_src/core/matrix/lattice_matrix.hpp)"""
 SPREADS = ("box", "vertices", "surface", "volume")
 SOLID, SPRINGS = (f"material.model = {toml_text(model)}" for model in ("solid", "springs"))
 
@@ -160,7 +169,7 @@ def _words(draft: Draft) -> Iterator[Fault]:
     keys = draft.keys
     one = draft.counts and max(draft.counts) <= PATCH + 1  # patch, which is a Bezier volume
     bases = ("bezier", "patches") if one else ("patches",)
-    narrow = draft.counts and PATCH * math.prod(draft.counts) // max(draft.counts) <= WIDEST
+    narrow = draft.counts and across_longest(draft.counts) <= WIDEST
     choices: dict[KeyPath, tuple[str, tuple[str, ...]]] = {
         ("lattice", "basis"): (keys.lattice.basis, bases),
         ("mass", "distribution"): (keys.mass.distribution, SPREADS),
@@ -168,7 +177,7 @@ def _words(draft: Draft) -> Iterator[Fault]:
     }
     for path, (got, wanted) in choices.items():
         if got not in wanted:
-            wide = f"; at most {WIDEST // PATCH} points across the longest axis, as 10 x 10, have it too" if got in IMPLICIT else ""
+            wide = f"; at most {WIDEST} points across the longest axis, as 10 x 10, have it too" if got in IMPLICIT else ""
             yield refused(path, f"{either(wanted)} beside {SOLID}", got, wide)
 
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from scenes import box
-from softffd import Simulation, load_scene
-from softffd.fmu.notes import body_notes, light_note
+from softffd import SceneError, Simulation, load_scene
+from softffd.fmu.notes import body_notes, light_note, wide_note
 from softffd.fmu.package import scene_masses
+from softffd.scene.scene import scene_from
 
 CORNER = {"points": [[0, 0, 0]], "mass": 1e-6}
 
@@ -56,3 +57,18 @@ def test_no_note_of_points_that_a_pin_holds_or_that_nothing_pulls_at():
     held = box(stiffness=1e3, region=[{**CORNER, "points": "x-"}], pin=[{"name": "wall", "points": "x-"}])
     assert told(held) is None and np.isfinite(stable_step(held))
     assert told(box(stiffness=0.0, region=[CORNER])) is None
+
+
+@pytest.mark.parametrize(("size", "text"), [([0.1, 0.1, 0.1], "169 points across"), ([0.1, 0.1, 0.05], None)])
+def test_a_solid_too_wide_for_implicit_steps_says_so(size, text):
+    material = {"model": "solid", "youngs_modulus": 1e6, "poissons_ratio": 0.45, "density": 1e3, "internal_damping": 1e-3}
+    document = {"lattice": {"size": size, "cells": 12}, "material": material}
+    told = wide_note(scene_from(document))
+    assert told is None if text is None else told.startswith(text)
+    implicit = {**document, "solver": {"method": "sdirk2"}}
+    if text:
+        assert told in body_notes(scene_from(document), scene_masses(scene_from(document)), None)
+        with pytest.raises(SceneError, match="at most 106 points across"):
+            scene_from(implicit)
+    else:
+        assert wide_note(scene_from(implicit)) is None
