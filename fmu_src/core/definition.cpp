@@ -121,6 +121,7 @@ Run empty_run(const Definition& definition) {
   for (Points* points : {&motion.x, &motion.v, &motion.spring}) points->setZero(n, 3);
   if (definition.planes > 0) run.course.neighbour.x = run.course.neighbour.v = Points::Zero(n, 3);
   for (MarkedPoints* points : {&motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside}) points->change().setZero(n, 3);
+  if (definition.solid() || (definition.samples && definition.planes > 0)) run.course.in_contact.x.change().setZero(n, 3);
   motion.free.resize(definition.free.size());
   run.course.neighbour.free.resize(definition.free.size());
   if (!definition.samples && !definition.solid()) {

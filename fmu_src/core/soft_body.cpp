@@ -246,6 +246,7 @@ StepStatus SoftBody::initialize(double t0) {
   for (Points& forces : motion.holds) forces.setZero();
   motion.held_rows.forget();
   MarkedPoints bound_x = std::move(now_.course.bound_x), factored_x = std::move(now_.course.factored.x);
+  MarkedPoints contact_x = std::move(now_.course.in_contact.x);
   Neighbour neighbour = std::move(now_.course.neighbour);
   neighbour.forget();
   neighbour.off = {};
@@ -253,6 +254,7 @@ StepStatus SoftBody::initialize(double t0) {
   now_.course.neighbour = std::move(neighbour);
   now_.course.bound_x = std::move(bound_x);
   now_.course.factored.x = std::move(factored_x);
+  now_.course.in_contact.x = std::move(contact_x);
   now_.path.clock = {.origin = t0};
   now_.path.steps = 0;
   now_.path.stiff = {};

@@ -7,6 +7,7 @@ namespace softffd {
 Outcome BackwardEuler::advance(Method method, const Model& model, const Drive& drive, const Span& span, Run& run) {
   if (version_ != model.body.version) contact_.body_changed();
   version_ = model.body.version;
+  contact_.keep(run.course.in_contact);
   Outcome outcome;
   const auto most = [](double work, double each) { return Count(std::max(1.0, std::min(work, 0x1p53) / each)); };
   contact_.most_factorizations = most(std::min(span.most_work, span.budget), implicit_.factor);

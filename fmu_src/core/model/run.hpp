@@ -237,6 +237,7 @@ struct Course {
   ContactSteps contact{};
   DampedRecord damped{};
   Factored factored{};
+  Factored in_contact{};              ///< of the implicit steps of a surface or a solid, where the next may begin with it
   Method method = Method::automatic;  ///< that took the last communication step
   Reason reason = Reason::asked;
   TrialRecord trials{};
@@ -254,14 +255,14 @@ struct Course {
     calibrations = {};
     contact = {};
     damped = {.force = damped.force};
-    factored.h = 0;
+    factored.h = in_contact.h = 0;
     trials.winner = Method::automatic;
   }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.bound_x, s.bound, s.damping_bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.method, s.reason,
-                  s.trials, s.work, s.usual, s.rejected, s.factors, s.neighbour);
+    return fields(s.bound_x, s.bound, s.damping_bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.in_contact,
+                  s.method, s.reason, s.trials, s.work, s.usual, s.rejected, s.factors, s.neighbour);
   }
 };
 static_assert(visits_every_field<Course>);

@@ -3,6 +3,7 @@
 import pytest
 
 from scenes import GRAVITY
+from solids import solid
 from stepping import require_same_continuation
 from validation import shapes as bodies
 
@@ -11,6 +12,15 @@ FALLING = {"gravity": GRAVITY, "damping": 0.1, "offset": [0.0, 0.0, -0.05], "ang
 SLIDING = {"gravity": GRAVITY, "damping": 1.0, "velocity": [0.5, 0.0, 0.0], "method": "auto", "step": 0.0, "plane": [GROUND]}
 BALL = {"name": "under", "radius": 1.0, "point": [0.5, 0.5, -1.0]}
 CRATE = {"name": "under", "size": [0.5, 0.4, 0.2], "point": [0.6, 0.5, -0.05]}
+
+
+def resting_solid(velocity):
+    """Of 1 MPa, a cube of 0.1 m, damped so that implicit steps take it."""
+    rubber = {"modulus": 1e6, "ratio": 0.45, "density": 1e3, "internal_damping": 1e-3}
+    box = {"size": [0.1] * 3, "origin": [0.0] * 3, "plane": [GROUND], "gravity": GRAVITY, "velocity": velocity}
+    return solid(4, **rubber, **box, communication_step=5e-3, outputs={"solver": True})
+
+
 CASES = {
     "surface": lambda body, _: body(bodies.sphere(2), plane=[GROUND], **FALLING),
     "surface, with an error estimate": lambda body, _: body(bodies.sphere(2), plane=[GROUND], error_estimate=True, **FALLING),
@@ -18,6 +28,8 @@ CASES = {
     "on a sphere": lambda body, _: body(bodies.sphere(2), gravity=GRAVITY, sphere=[BALL]),
     "on a box": lambda body, _: body(bodies.sphere(2), gravity=GRAVITY, box=[CRATE]),
     "sliding, by auto": lambda body, _: body(bodies.cube(4, 0.0), **SLIDING),
+    "of a solid that rests, with the matrix of the steps before": lambda *_: resting_solid([0.0, 0.0, 0.0]),
+    "of a solid that slides, the same": lambda *_: resting_solid([0.2, 0.0, 0.0]),
     "of control points, by auto": lambda body, _: body(bodies.cube(4, 0.0), contact={"of": "lattice"}, **SLIDING),
 }
 

@@ -45,7 +45,7 @@ StepStatus ImplicitContact::advance(const Equations& equations, double t, double
 
 StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange,
                                              int depth) {
-  const StepStatus status = take_euler({equations, t, h, state, t + 0.5 * h}, watch, state, exchange, false);
+  const StepStatus status = take_euler({equations, t, h, state, t + 0.5 * h, kept_}, watch, state, exchange, false);
   if (status != StepStatus::not_finite) return status;
   if (depth == most_halvings || stage_.spent()) return StepStatus::not_finite;
   ++halvings_;
@@ -89,7 +89,7 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   ++steps_;
   const double part = gamma * h, rest = (1 - gamma) * h, weight = (1 - gamma) / gamma;
   const double way = span.way;
-  const Step first{equations, t, part, state, t + part, &state.v, span.again, way, accuracy};
+  const Step first{equations, t, part, state, t + part, kept_, &state.v, span.again, way, accuracy};
   open(first);
   if (const StepStatus status = stage_.solve(first); status != StepStatus::ok) return status;
   if (stage_.strikes(first)) return strike(equations, t, h, watch, state, exchange);
@@ -115,9 +115,9 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   start_.holds = state.holds;
   start_.held_rows = state.held_rows;
   stage_.touches().hold(start_);
-  const Step second{equations, t + rest, part, start_, t + h, &first_v_, true, way, accuracy};
+  const Step second{equations, t + rest, part, start_, t + h, kept_, &first_v_, true, way, accuracy};
   if (const StepStatus status = stage_.solve(second); status != StepStatus::ok) return status;
-  const Step whole{equations, t, h, state, t + h, nullptr, false, way};
+  const Step whole{equations, t, h, state, t + h, nullptr, nullptr, false, way};
   if (stage_.strikes(whole)) {
     exchange = before_;
     return strike(equations, t, h, watch, state, exchange);
@@ -147,7 +147,7 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
 
 /// The second stage throws back what the first one stops, or what lies behind an obstacle between them.
 StepStatus ImplicitContact::strike(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange) {
-  const StepStatus status = take_euler({equations, t, h, state, t + 0.5 * h}, watch, state, exchange, true);
+  const StepStatus status = take_euler({equations, t, h, state, t + 0.5 * h, kept_}, watch, state, exchange, true);
   bend_ = std::numeric_limits<double>::infinity();
   return status;
 }

@@ -27,6 +27,8 @@ class ImplicitContact {
 
   /// Call when masses, stiffness or damping change.
   void body_changed() { stage_.body_changed(); }
+  /// From now on steps begin with this matrix, where it serves, and leave theirs there. It belongs to the state.
+  void keep(Factored& kept) { kept_ = &kept; }
   /// One step from (t, state) of length h [s]; state.spring being the internal forces at state.x. Planes have no point behind them at t.
   /// state.time is the caller's. On failure state and exchange are spoilt; not_finite: there was no solution down to h / 2^20, or not
   /// with so many factorizations and solutions with them.
@@ -74,6 +76,7 @@ class ImplicitContact {
   void take(State& state);
 
   ImplicitStage stage_;
+  Factored* kept_ = nullptr;
   Exchange before_;
   State start_;           ///< of the second stage
   Points first_v_;        ///< velocities at the end of the first stage [m/s]

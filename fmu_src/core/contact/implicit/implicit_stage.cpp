@@ -110,7 +110,7 @@ StepStatus ImplicitStage::open(const Step& step) {
   touches_->guess(step, scratch_, x);
   if (step.same_matrix && std::abs(step.h - matrix_h_) <= same_length * step.h)
     touches_->keep(slight_);
-  else
+  else if (!(step.kept && std::abs(step.h - step.kept->h) <= same_length * step.h && touches_->resume(step)))
     touches_->refresh();
   matrix_h_ = step.h;
   convergence_ = {};

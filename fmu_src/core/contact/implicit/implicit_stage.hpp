@@ -31,7 +31,10 @@ class ImplicitStage {
   ImplicitStage(const Lattice& lattice, int planes, const Samples* samples);
 
   /// Call when masses, stiffness or damping change.
-  void body_changed() { largest_stiffness_ = -1; }
+  void body_changed() {
+    largest_stiffness_ = -1;
+    touches_->forget_matrix();
+  }
   /// Solves the step; step.from.spring being the internal forces at step.from.x. not_finite: there was no solution, or not with the
   /// factors and solutions up to those limits.
   StepStatus solve(const Step& step);

@@ -25,6 +25,7 @@ class ImplicitTouches {
     double t, h;  ///< [s]
     const State& from;
     double loads_at;                ///< time of the outside forces [s]
+    Factored* kept = nullptr;       ///< matrix of the steps before; null: none is kept
     const Points* along = nullptr;  ///< about the velocities at the end (points, 3) [m/s]; null: those of the rigid motion at the begin
     bool same_matrix = false;       ///< that of the step before may serve: the same body and h
     double way = 0;                 ///< by which the solution may be off [m]
@@ -57,6 +58,10 @@ class ImplicitTouches {
   virtual void find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) = 0;
   /// The next solution is to start from new matrices.
   virtual void refresh() = 0;
+  /// The body is another one.
+  virtual void forget_matrix() { refresh(); }
+  /// The next solution is to start from the matrix that is kept, of whatever step. Returns false if it cannot.
+  virtual bool resume(const Step&) { return false; }
   /// The next solution may take the matrices as they are. slight: a change of friction's stiffness that does not matter [N/m].
   virtual void keep(double slight) = 0;
   /// Finds the solution and the touches with their forces; cautious: slower, but without circles. not_finite: there is none.

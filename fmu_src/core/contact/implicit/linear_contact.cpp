@@ -27,7 +27,7 @@ bool LinearContact::solve(const StepProblem& problem, ContactSet& contacts, bool
   if (kept_ && !contacts.take_friction_stiffness(slight_)) stale_ = true;
   kept_ = false;
   if (stale_) {
-    matrix_.linearise(problem);
+    matrix_.linearise(problem.x, problem.diagonal, problem.h);
     contacts.fix_friction_stiffness(cautious);
   }
   for (int round = 0; round < most_guesses; ++round) {
@@ -55,7 +55,7 @@ bool LinearContact::solve(const StepProblem& problem, ContactSet& contacts, bool
 bool LinearContact::solve_with_touches(const StepProblem& problem, ContactSet& contacts, bool cautious) {
   for (;;) {
     if (stale_) {
-      contacts.constrain(matrix_.assemble(problem));
+      contacts.constrain(matrix_.assemble(problem.body));
       matrix_.factor(problem);
       fresh = true;
       stale_ = false;

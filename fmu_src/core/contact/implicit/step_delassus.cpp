@@ -8,6 +8,8 @@ namespace {
 
 /// Operations for an element, which is looked up by its samples.
 constexpr double element_work = 50;
+/// Responses of a matrix that are kept from step to step.
+constexpr std::size_t most_kept = 256;
 
 }  // namespace
 
@@ -20,10 +22,18 @@ void StepDelassus::set_planes(const std::vector<Vec3>& normals) {
 void StepDelassus::set_matrix(StepMatrix& matrix, const Body& body) {
   matrix_ = &matrix;
   body_ = &body;
-  for (const auto& response : responses_) index_[response->sample] = -1;
-  responses_.clear();
+  forget_responses();
   rows_.clear();
   factor(0);
+}
+
+void StepDelassus::forget_responses() {
+  for (const auto& response : responses_) index_[response->sample] = -1;
+  responses_.clear();
+}
+
+void StepDelassus::forget_many() {
+  if (responses_.size() > most_kept) forget_responses();
 }
 
 void StepDelassus::set_rows(const std::vector<SurfaceRow>& rows) {
@@ -92,8 +102,12 @@ void StepDelassus::respond(const std::vector<int>& samples) {
 void StepDelassus::add_compliance(Response& made) {
   operations_.spend(3 * Operations::of_place * double(index_[made.sample] + 1));
   for (int r = 0; r <= index_[made.sample]; ++r) {
+    const Response& other = *responses_[r];
+    const bool later = other.sample <= made.sample;  // so that bits do not go by which of them was asked for first
     Eigen::Matrix3d block;
-    for (int axis = 0; axis < 3; ++axis) block.col(axis) = samples_->at(responses_[r]->sample, made.moved[axis]);
+    for (int axis = 0; axis < 3; ++axis)
+      block.col(axis) = later ? samples_->at(other.sample, made.moved[axis]) : samples_->at(made.sample, other.moved[axis]);
+    if (!later) block.transposeInPlace();
     made.compliance.push_back(block);
   }
   Eigen::Matrix3d& own = made.compliance.back();

@@ -25,6 +25,8 @@ class StepDelassus {
   void set_planes(const std::vector<Vec3>& normals);
   /// Responses are those of this factored matrix from now on; read until the next call. Pinned points do not move.
   void set_matrix(StepMatrix& matrix, const Body& body);
+  /// The responses of a matrix that is kept, once they are many.
+  void forget_many();
 
   int size() const { return int(rows_.size()); }
   const std::vector<SurfaceRow>& rows() const { return rows_; }
@@ -64,10 +66,11 @@ class StepDelassus {
   struct Response {
     int sample;
     std::array<Points, 3> moved;              ///< by a unit force along each axis [m/N]
-    std::vector<Eigen::Matrix3d> compliance;  ///< with the samples of the responses before, and its own
+    std::vector<Eigen::Matrix3d> compliance;  ///< with the samples of the responses before, and its own: by the later sample's motion
   };
   const Response& response(int s);
   void add_compliance(Response& made);
+  void forget_responses();
   Eigen::Matrix3d compliance(int i, int j) const;
   double element(const SurfaceRow& a, const SurfaceRow& b) { return normals_[a.plane].dot(block(a, b) * normals_[b.plane]); }
   void factor(int from);

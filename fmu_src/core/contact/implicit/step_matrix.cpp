@@ -13,9 +13,10 @@ constexpr double less_softening = 0.25;
 
 StepMatrix::StepMatrix(const Lattice& lattice) : matrix_(lattice) { x_.setZero(lattice.points(), 3); }
 
-void StepMatrix::linearise(const StepProblem& problem) {
-  linearised_ = {.softening = 1, .per_time = 1 / problem.h};
-  x_ = problem.x;
+void StepMatrix::linearise(const Points& x, const Scalars& diagonal, double h) {
+  linearised_ = {.softening = 1, .per_time = 1 / h};
+  x_ = x;
+  diagonal_ = diagonal;
 }
 
 bool StepMatrix::soften() {
@@ -24,14 +25,14 @@ bool StepMatrix::soften() {
   return true;
 }
 
-LatticeMatrix& StepMatrix::assemble(const StepProblem& problem) {
-  softffd::assemble(problem.body, x_, linearised_, problem.diagonal, matrix_);
+LatticeMatrix& StepMatrix::assemble(const Body& body) {
+  softffd::assemble(body, x_, linearised_, diagonal_, matrix_);
   return matrix_;
 }
 
-void StepMatrix::factor(const StepProblem& problem) {
+void StepMatrix::factor(const StepProblem& problem, bool count) {
   matrix_.factor();
-  ++factorizations_;
+  factorizations_ += count;
   if (!problem.parts.empty()) condense(problem);
 }
 

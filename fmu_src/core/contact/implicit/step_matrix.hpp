@@ -54,13 +54,14 @@ class StepMatrix {
  public:
   explicit StepMatrix(const Lattice& lattice);
 
-  /// K at problem.x, with all that makes it indefinite.
-  void linearise(const StepProblem& problem);
+  /// A at x for a step of h [s], with all that makes it indefinite. diagonal: (points) of the inertia and the damping [N/m].
+  void linearise(const Points& x, const Scalars& diagonal, double h);
   /// The same with less of it. Returns false if there is no less.
   bool soften();
   /// A, whose blocks may be changed before it is factored.
-  LatticeMatrix& assemble(const StepProblem& problem);
-  void factor(const StepProblem& problem);
+  LatticeMatrix& assemble(const Body& body);
+  /// count: it is work; one that has been made before is none.
+  void factor(const StepProblem& problem, bool count = true);
   /// b <- A^-1 b: what pins prescribe does not move, what free parts hold moves with them.
   void solve(Points& b, double accuracy = ConjugateGradients::exact);
   void solve_together(std::span<Points* const> sides);
@@ -90,6 +91,7 @@ class StepMatrix {
   std::vector<bool> pinned_;
   Points x_;                  ///< that K is made at
   Linearisation linearised_;  ///< and how
+  Scalars diagonal_;          ///< (points) of the inertia and the damping
   Count factorizations_ = 0;
   double solutions_ = 0;
 };

@@ -125,24 +125,57 @@ StepStatus SurfaceTouches::solve(const StepProblem& problem, bool) {
   return StepStatus::ok;
 }
 
+void SurfaceTouches::refresh() {
+  stale_ = true;
+  resumed_ = false;
+  if (step_->kept) step_->kept->h = 0;
+}
+
+/// Its bits follow from what is kept alone, in this instance or another; those of parts do not.
+bool SurfaceTouches::resume(const Step& step) {
+  const auto parts = [](const FreeMotion& each) { return each.part(); };
+  if (step.kept->x->rows() == 0 || std::ranges::any_of(step.equations.around.free, parts)) return false;
+  stale_ = resumed_ = made_.h != step.kept->h || (*made_.x != *step.kept->x).any();
+  if (!stale_) set_.delassus().forget_many();
+  return true;
+}
+
+/// At the state, or as it is kept.
+void SurfaceTouches::linearise(const StepProblem& problem) {
+  Factored* kept = step_->kept;
+  if (resumed_) {
+    made_ = *kept;
+  } else {
+    made_.x.change() = problem.x;
+    made_.h = problem.h;
+    if (kept && kept->x->rows() > 0) *kept = made_;
+  }
+  const double h = made_.h;
+  matrix_.linearise(*made_.x, problem.body.mass / (h * h) + problem.body.damping / h, h);
+}
+
 /// The motion with the forces at hand.
 bool SurfaceTouches::solve_free(const StepProblem& problem) {
-  if (stale_) matrix_.linearise(problem);
+  if (stale_) linearise(problem);
   for (;;) {
     if (stale_) {
-      matrix_.assemble(problem);
-      matrix_.factor(problem);
+      matrix_.assemble(problem.body);
+      matrix_.factor(problem, !resumed_);
       set_.delassus().set_matrix(matrix_, problem.body);
-      solution_.fresh = true;
+      solution_.fresh = !resumed_;
       stale_ = false;
     }
     free_ = problem.residual;
     add_forces(free_);
     problem.body.hold_prescribed(free_);
     matrix_.solve_residual(problem, free_);
-    if (std::isfinite(kernels::largest(free_.size(), free_.data()))) return true;
+    if (std::isfinite(kernels::largest(free_.size(), free_.data()))) {
+      resumed_ = false;
+      return true;
+    }
+    refresh();
+    made_ = {};
     if (!matrix_.soften()) return false;
-    stale_ = true;
   }
 }
 

@@ -34,7 +34,9 @@ class SurfaceTouches final : public ImplicitTouches {
   bool pins_pass() const override { return true; }
   void guess(const Step& step, const Points& force, const Points& x) override;
   void find_friction(const Step&, const Points&, bool, double, double) override {}  // it follows from the forces
-  void refresh() override { stale_ = true; }
+  void refresh() override;
+  void forget_matrix() override { made_ = {}; }
+  bool resume(const Step& step) override;
   void keep(double) override {}
   StepStatus solve(const StepProblem& problem, bool cautious) override;
   StepSolution& solution() override { return solution_; }
@@ -53,6 +55,7 @@ class SurfaceTouches final : public ImplicitTouches {
     SurfaceRow row;
     Vec3 force;
   };
+  void linearise(const StepProblem& problem);
   bool solve_free(const StepProblem& problem);
   StepStatus find_forces(const StepProblem& problem);
   // what solids do to their samples
@@ -115,6 +118,8 @@ class SurfaceTouches final : public ImplicitTouches {
   double doubt_ = 0;                      ///< rounding of move_ [m]
   std::vector<Wrench> placed_by_, lack_;  ///< by which the free bodies were placed, and what the forces there are beyond it
   bool stale_ = true;
+  bool resumed_ = false;  ///< the next matrix is that which is kept
+  Factored made_;         ///< what the one at hand was made from
 };
 
 }  // namespace softffd
