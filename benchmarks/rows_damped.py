@@ -22,6 +22,7 @@ from softffd import Simulation
 from softffd.scene.scene import Scene, scene_from
 
 SIZE, TOLERANCE = (0.1, 0.1, 0.05), 1e-4
+LATTICE = {"size": SIZE, "origin": [0.0, 0.0, 0.0]}
 STOP, COMMUNICATION_STEP = 0.2, 5e-3
 STRETCHES = {1e-4: 4, 1e-3: 1}
 """Communication steps of the explicit runs, by internal damping [s]"""
@@ -54,7 +55,7 @@ def _led_place(time: float) -> np.ndarray:
 def scene_of(internal_damping: float, **sections: Any) -> Scene:
     return scene_from(
         {
-            "lattice": {"size": SIZE, "origin": [0.0, 0.0, 0.0]},
+            "lattice": LATTICE,
             "mass": {"total": 0.5},
             "material": {"stiffness": 1e6, "damping": 0.0, "internal_damping": internal_damping},
             "environment": {"gravity": [0.0, 0.0, -9.81]},
@@ -101,14 +102,24 @@ of_scene("hangs from a face", stay, {1e-4: None, 1e-3: None}, pin=[{"name": "fin
 of_scene("rests", stay, {1e-4: 1 / 50, 1e-3: 1 / 200}, plane=PLANE)
 of_scene("slides", stay, {1e-4: 1 / 50, 1e-3: 1 / 200}, plane=PLANE, initial={"velocity": [0.3, 0.0, 0.0]})
 of_scene("is pressed", press, {1e-4: 1 / 50, 1e-3: 1 / 200}, plane=PLANE, load=[{"name": "weight", "points": "z+"}])
-of_scene(
-    "is led by a face",
-    lead,
-    {1e-4: 1 / 50, 1e-3: 1 / 1000},
-    plane=PLANE,
-    pin=[{"name": "finger", "points": "z+", "motion": "input"}],
-    environment={"gravity": [0.0, 0.0, 0.0]},
-)
+LED = {"plane": PLANE, "pin": [{"name": "finger", "points": "z+", "motion": "input"}], "environment": {"gravity": [0.0, 0.0, 0.0]}}
+of_scene("is led by a face", lead, {1e-4: 1 / 50, 1e-3: 1 / 1000}, **LED)
+
+
+def rubber(internal_damping: float, modulus: float) -> dict[str, Any]:
+    """Sections of the same box as a solid; modulus [Pa]."""
+    material = {
+        "model": "solid",
+        "youngs_modulus": modulus,
+        "poissons_ratio": 0.45,
+        "density": 1000.0,
+        "internal_damping": internal_damping,
+    }
+    return {"material": material, "mass": {}}
+
+
+of_scene("a solid is led by a face", lead, {1e-3: None}, **LED, **rubber(1e-3, 40e6))
+of_scene("a solid of 7 x 7 x 4 rests", stay, {1e-3: None}, plane=PLANE, lattice=LATTICE | {"cells": 6}, **rubber(1e-3, 1e6))
 
 
 def explicit_step(name: str, material: dict[str, Any], **sections: Any) -> None:
