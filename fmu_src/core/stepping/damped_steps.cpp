@@ -37,7 +37,7 @@ constexpr double opening_growth = 2;
 /// next to be run once, and what is added for safety [1]; how many of these at most.
 constexpr double least_share = 0.02, shares_alike = 2, share_safety = 1.5;
 constexpr Count longest_damped_trust = 32;
-/// Of what is allowed, the error of a step that says nothing of how errors go with the bend: both are what solutions leave [1].
+/// Of what is allowed, the error of a step that does not tell of a smaller share: error and bend are what solutions leave [1].
 constexpr double slight_error = 0.01;
 /// Of what is allowed, the way of contacts that stop, turn round or begin to slide in a step, from which on they count [1].
 constexpr double slight_slip = 0.01;
@@ -318,7 +318,7 @@ void DampedSteps::accept(const Call& call, double h, double allowed, double bend
   const double share = bend > 0 && bend < infinity ? std::max(of_coarse / bend, least) : least;
   const bool slight = judged.steady && judged.ratio <= use::slight_error && record.share > 0;
   const bool known = bend < infinity && (slight || share <= use::shares_alike * record.share);
-  if (!slight) record.share = use::share_safety * share;
+  if (!slight || share > record.share) record.share = use::share_safety * share;
   record.lasting = judged.error > 0 ? judged.lasting / judged.error : 1;
   record.fades = judged.fades;
   record.trust = known ? record.next_trust : 0;
