@@ -58,7 +58,7 @@ def test_what_is_stated_of_drops_is_near_what_is_true(tmp_path):
                 scene = falling(tmp_path, on, stiffness, 0.02).replace(
                     {"initial.velocity": [0.05, 0.02, speed], "initial.angular_velocity": [spin, 0.2, 0.1], "experiment.stop_time": 0.2}
                 )
-                error, told = beside_short_steps(scene, 16)
+                error, told = beside_short_steps(scene, 128)  # by fewer they are off by several tolerances themselves
                 assert right(error, told), (on, stiffness, speed, error, told)
                 times += [told / error] if told > 0 else []
     assert np.median(times) < 10
