@@ -224,3 +224,32 @@ TEST(samples_of_weight_one_meet_planes_as_control_points_do) {
       CHECK(points.state.x.col(0).minCoeff() > 0.02);
     }
 }
+
+TEST(steps_at_rest_keep_their_matrix_and_another_instance_goes_on_with_the_same_bits) {
+  FallingBox scene = cube(1e5, 1);
+  scene.damp(0.3);
+  scene.around.planes[0].friction = 0.4;
+  CheckedRun runner(scene, 0.01, 6);
+  const Samples* samples = scene.body.samples.get();
+  const Equations equations{scene.body, scene.around};
+  ImplicitContact one(scene.lattice, 1, 0, samples), other(scene.lattice, 1, 0, samples), anew(scene.lattice, 1, 0, samples);
+  Factored kept, copy;
+  kept.x.change().setZero(scene.lattice.points(), 3);
+  one.keep(kept);
+  State state = scene.state;
+  Exchange exchange = runner.exchange;
+  const auto step = [&](ImplicitContact& method, State& from, double t) {
+    CHECK(method.advance(equations, t, 0.01, false, from, exchange) == StepStatus::ok);
+  };
+  for (int i = 0; i < 3; ++i) step(one, state, runner.time + 0.01 * i);
+  CHECK(one.factorizations() == 1);
+  State beside = state, fresh = state;
+  copy = kept;
+  other.keep(copy);
+  step(one, state, runner.time + 0.03);
+  step(other, beside, runner.time + 0.03);
+  step(anew, fresh, runner.time + 0.03);
+  CHECK(one.factorizations() == 1 && other.factorizations() == 0);
+  CHECK((state.x == beside.x).all() && (state.v == beside.v).all());
+  CHECK((state.x - fresh.x).abs().maxCoeff() < 1e-10);
+}
