@@ -7,8 +7,8 @@ All runs end at the same time, after the same communication steps and inputs:
     rungs    leapfrog with steps that get four times shorter, from a seventh of the stable step on, as far as the work allows
 
 The truth is the last rung where it agrees with the one before, or with tight, within a third of the tolerance; there the ladder ends.
-Where nothing agrees, the last two rungs still convict asked if it is ten times as far from the last as they part: a rough truth. Else there
-is none: a chaotic motion, or one that would take more work.
+Where nothing agrees, the last two rungs still convict asked if it is ten times as far from the last as they part: a rough truth, for which
+one more rung is run than the work allows. Else there is none: a chaotic motion, or one that would take more work.
 """
 
 from __future__ import annotations
@@ -130,11 +130,19 @@ def _run(drive: Drive, scene: Drawn, which: str, found: dict[str, Run]) -> Run:
         return Run(None, NOT_NEEDED)
     if not shares:
         return Run(None, f"leapfrog would take {scene.duration / (NEAREST * drive.value('solver.stable_step')):.1e} steps")
+    if place == len(shares) and _convicts(drive, scene, found):
+        shares.append(shares[-1] / FINER)
     if place >= len(shares):
         return Run(None, NO_MORE)
     step = shares[place] * drive.value("solver.stable_step")
     run = _followed(drive, scene, {"solver.method": "leapfrog", "solver.step": step}, scene.tolerance, began)
     return replace(run, step=shares[place])
+
+
+def _convicts(drive: Drive, scene: Drawn, found: dict[str, Run]) -> bool:
+    """Whether the last two rungs show an error: of a chaotic motion both may be on another branch, which a finer one tells."""
+    asked, done = found["asked"], [found[name] for name in RUNGS if name in found and found[name].x is not None]
+    return asked.x is not None and len(done) > 1 and convicted(scene, drive.side, asked, *done[-2:])
 
 
 def ladder(drive: Drive, scene: Drawn) -> list[float]:
