@@ -148,6 +148,8 @@ def _require_one_run(
     lattice = header.lattice
     if lattice and (positions.shape[1:4] != lattice.points or lattice.basis not in BASES):
         raise ValueError(f"positions of shape {positions.shape} of {lattice}")
+    if lattice and not all(0 < side < np.inf for side in lattice.size):
+        raise ValueError(f"header, lattice.size: wanted lengths above 0 m, got {list(lattice.size)}")
     shapes = [array.shape for array in (time, *outputs.values(), *inputs.values())]
     if positions.ndim != 5 or positions.shape[4] != 3 or any(shape != (len(positions),) for shape in shapes):
         raise ValueError("its arrays have not the shapes of one run")

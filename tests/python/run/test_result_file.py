@@ -180,7 +180,8 @@ WRONG = [
     {"summary": {"warnings": 3}}, {"parameters": {"mass": 10**400}},
     {"outputs": ["time"]}, {"outputs": [["mass"]]}, {"inputs": ["a"] * 99}, {"parameters": {"mass": [1]}}, {"log": [["a", "b", "c"]]},
     {"lattice": {"points": [2, 2]}}, {"lattice": {"points": [2, 2, 3], "origin": [0, 0, 0], "size": [1, 1, 1], "basis": "bezier"}},
-    {"lattice": {"points": [2, 2, 2], "origin": [0, 0, 0], "size": [1, 1, 1], "basis": "bezir"}}, {"obstacles": {"meet": "nothing"}},
+    {"lattice": {"points": [2, 2, 2], "origin": [0, 0, 0], "size": [1, 1, 1], "basis": "bezir"}},
+    {"lattice": {"points": [2, 2, 2], "origin": [0, 0, 0], "size": [False, 1, 1], "basis": "bezier"}}, {"obstacles": {"meet": "nothing"}},
     {"obstacles": {"meet": "lattice", "solids": [{}]}}, {"scene": {"keys": []}}, {"scene": {"keys": [], "path": "a", "mesh": None}},
     *[{key: ...} for key in ("version", "outputs", "inputs", "parameters", "summary", "lattice", "flat_names", "log", "scene")],
 ]  # fmt: skip
