@@ -7,8 +7,8 @@ All runs end at the same time, after the same communication steps and inputs:
     rungs    leapfrog with steps that get four times shorter, from a seventh of the stable step on, as far as the work allows
 
 The truth is the last rung where it agrees with the one before, or with tight, within a third of the tolerance; there the ladder ends.
-Where nothing agrees, the last two rungs still convict asked if it is ten times as far from the last as they part: a rough truth, for which
-one more rung is run than the work allows. Else there is none: a chaotic motion, or one that would take more work.
+Where nothing agrees, the last two rungs still convict asked if it is ten times as far from the last as they part: a rough truth. Of fewer
+than four rungs one more than the work allows has to confirm it. Else there is none: a chaotic motion, or one that would take more work.
 """
 
 from __future__ import annotations

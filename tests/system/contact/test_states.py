@@ -14,7 +14,7 @@ BALL = {"name": "under", "radius": 1.0, "point": [0.5, 0.5, -1.0]}
 CRATE = {"name": "under", "size": [0.5, 0.4, 0.2], "point": [0.6, 0.5, -0.05]}
 
 
-def resting_solid(velocity):
+def rubber_cube(velocity):
     """Of 1 MPa, a cube of 0.1 m, damped so that implicit steps take it."""
     rubber = {"modulus": 1e6, "ratio": 0.45, "density": 1e3, "internal_damping": 1e-3}
     box = {"size": [0.1] * 3, "origin": [0.0] * 3, "plane": [GROUND], "gravity": GRAVITY, "velocity": velocity}
@@ -28,8 +28,8 @@ CASES = {
     "on a sphere": lambda body, _: body(bodies.sphere(2), gravity=GRAVITY, sphere=[BALL]),
     "on a box": lambda body, _: body(bodies.sphere(2), gravity=GRAVITY, box=[CRATE]),
     "sliding, by auto": lambda body, _: body(bodies.cube(4, 0.0), **SLIDING),
-    "of a solid that rests, with the matrix of the steps before": lambda *_: resting_solid([0.0, 0.0, 0.0]),
-    "of a solid that slides, the same": lambda *_: resting_solid([0.2, 0.0, 0.0]),
+    "of a solid that rests, with the matrix of the steps before": lambda *_: rubber_cube([0.0, 0.0, 0.0]),
+    "of a solid that slides, the same": lambda *_: rubber_cube([0.2, 0.0, 0.0]),
     "of control points, by auto": lambda body, _: body(bodies.cube(4, 0.0), contact={"of": "lattice"}, **SLIDING),
 }
 

@@ -58,8 +58,8 @@ class ImplicitTouches {
   virtual void find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) = 0;
   /// The next solution is to start from new matrices.
   virtual void refresh() = 0;
-  /// The body is another one.
-  virtual void forget_matrix() { refresh(); }
+  /// Masses, stiffness or damping have changed.
+  virtual void forget_matrix() {}
   /// The next solution is to start from the matrix that is kept, of whatever step. Returns false if it cannot.
   virtual bool resume(const Step&) { return false; }
   /// The next solution may take the matrices as they are. slight: a change of friction's stiffness that does not matter [N/m].

@@ -8,7 +8,7 @@ namespace {
 
 /// Operations for an element, which is looked up by its samples.
 constexpr double element_work = 50;
-/// Responses of a matrix that are kept from step to step.
+/// Responses that are kept from step to step, each of nine numbers a point: what bounds their memory.
 constexpr std::size_t most_kept = 256;
 
 }  // namespace

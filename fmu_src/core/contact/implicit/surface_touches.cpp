@@ -135,7 +135,7 @@ void SurfaceTouches::refresh() {
 bool SurfaceTouches::resume(const Step& step) {
   const auto parts = [](const FreeMotion& each) { return each.part(); };
   if (step.kept->x->rows() == 0 || std::ranges::any_of(step.equations.around.free, parts)) return false;
-  stale_ = resumed_ = made_.h != step.kept->h || (*made_.x != *step.kept->x).any();
+  stale_ = resumed_ = made_.h != step.kept->h || made_.x.mark() != step.kept->x.mark();
   if (!stale_) set_.delassus().forget_many();
   return true;
 }
