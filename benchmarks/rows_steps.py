@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
+from typing import Any
 
 from boxes import STEP, box
 from measured import NotMeasured, Pair, require_alike, row
@@ -55,14 +56,20 @@ of_size(16)
 of_size(32, goal=1.0)
 
 
+SOLID: dict[str, Any] = {
+    "material": {"model": "solid", "youngs_modulus": 10.0, "poissons_ratio": 0.45, "density": 1.0, "stiffness": None},
+    "mass": {"total": None},
+    "lattice": {"basis": "patches"},
+}
+
+
 def of_solid(side: int, goal: float) -> None:
     """A row for a solid of side x side x side points: an explicit step against that of springs."""
 
     @row("steps", f"an explicit step of a solid, {side}^3", "of springs", goal=goal)
     def solid() -> Iterator[Pair]:
-        count, material = steps_of(side), {"model": "solid", "youngs_modulus": 10.0, "poissons_ratio": 0.45, "density": 1.0}
-        solid = box(side, material=material | {"stiffness": None}, mass={"total": None}, lattice={"basis": "patches"})
-        with Simulation(solid) as own, Simulation(box(side)) as base:
+        count = steps_of(side)
+        with Simulation(box(side, **SOLID)) as own, Simulation(box(side)) as base:
             yield Pair(lambda: own.step(count * STEP), lambda: base.step(count * STEP), per=count)
 
 
@@ -109,22 +116,25 @@ def all_processors(least: int) -> Iterator[None]:
         os.sched_setaffinity(0, before)
 
 
-def implicit_of_size(side: int) -> None:
-    """Rows for a lattice: assembly, factor and solutions against the explicit step, and against SciPy's."""
-    h, count = 1e-3, 40 if side == 4 else 3
+def implicit_of_size(side: int, **material: Any) -> None:
+    """Rows for a lattice: assembly, factor and solutions against the explicit step, and those of springs against SciPy's."""
+    h, count, of_solid = 1e-3, 40 if side == 4 else 3, " of a solid" * bool(material)
 
     def simulation() -> Simulation:
-        found = Simulation(box(side, "backward_euler", solver={"method": "backward_euler", "step": h}))
+        found = Simulation(box(side, "backward_euler", solver={"method": "backward_euler", "step": h}, **material))
         found.step(h)
         if not any("as set" in message.text and "0.001 s" in message.text for message in found.component.messages):
             raise NotMeasured("steps are not the implicit ones that were asked for")
         return found
 
-    @row("steps", f"an implicit step, {side}^3", f"an explicit step, {side}^3")
+    @row("steps", f"an implicit step{of_solid}, {side}^3", f"an explicit step, {side}^3")
     def against_explicit() -> Iterator[Pair]:
         steps = steps_of(side)
-        with simulation() as implicit, Simulation(box(side)) as explicit:
+        with simulation() as implicit, Simulation(box(side, **material)) as explicit:
             yield Pair(lambda: implicit.step(count * h), lambda: explicit.step(steps * STEP), per=count, per_base=steps)
+
+    if material:
+        return
 
     @row("steps", f"an implicit step, {side}^3, as equations", "numpy and SciPy, banded Cholesky")
     def against_scipy() -> Iterator[Pair]:
@@ -137,3 +147,5 @@ def implicit_of_size(side: int) -> None:
 
 implicit_of_size(4)
 implicit_of_size(8)
+for side in (4, 7, 10, 13):
+    implicit_of_size(side, **SOLID)

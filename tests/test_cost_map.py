@@ -16,7 +16,7 @@ FEW_STEPS = [  # stiffness [N/m], internal damping [s], steps at most
     ("drops 1 cm, points", 1e7, 1e-4, 2000),
     ("rests, surface", 1e3, 0.0, 10000),  # 94,494, 14,557 and 37,798 if steps get shorter wherever two runs differ
     ("drops 2 mm on a box, surface", 1e3, 0.0, 6000),
-    ("drops 2 mm on a box, surface", 1e5, 1e-4, 15000),
+    ("drops 2 mm on a box, surface", 1e5, 1e-4, 32000),  # by roundings: 4,700 to 29,900 from starts turned by 1e-11 to 1e-2 degrees
     ("drops 1 cm, surface", 1e7, 1e-4, 6000),
     ("drops 2 mm on a box, surface", 1e7, 1e-4, 2000),
 ]

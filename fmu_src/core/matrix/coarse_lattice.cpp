@@ -49,7 +49,7 @@ Lattice CoarseLattice::coarsened(const Lattice& fine) {
   Lattice coarse = fine;
   for (int spacing = least_spacing;; ++spacing) {
     for (int a = 0; a < 3; ++a) coarse.counts[a] = (fine.counts[a] - 2 + spacing) / spacing + 1;
-    if (LayerMatrix::points_per_layer(coarse) <= widest) return coarse;
+    if (coarse.points_across() <= widest) return coarse;
   }
 }
 

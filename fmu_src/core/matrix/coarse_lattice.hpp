@@ -2,13 +2,13 @@
 ///
 /// Along each axis some of the points are nodes, the first and the last among them; between nodes displacements are linear. With P taking
 /// displacements of the nodes to those of all points, the coarse matrix is P^T A P. Because nodes are points of the lattice a node meets
-/// its neighbours alone, and the coarse matrix is again a matrix of a lattice, with a factor (layer_matrix.hpp). Rigid motions of a body
-/// whose points lie evenly are among what P makes: they are solved for here, however stiff the body is.
+/// its neighbours alone, and the coarse matrix is again a matrix of a lattice, with a factor (dissected_matrix.hpp). Rigid motions of a
+/// body whose points lie evenly are among what P makes: they are solved for here, however stiff the body is.
 #pragma once
 #include <array>
 #include <vector>
 
-#include "matrix/layer_matrix.hpp"
+#include "matrix/dissected_matrix.hpp"
 #include "matrix/stencil_matrix.hpp"
 
 namespace softffd {
@@ -42,7 +42,7 @@ class CoarseLattice {
   std::vector<Weight> weights_;  ///< of all points, one after the other
   std::vector<int> first_;       ///< (points + 1) where a point's begin
   std::vector<Mat3> products_;   ///< of every node with itself and its 26 neighbours: P^T A P is the sum with the mirror image
-  LayerMatrix matrix_;
+  DissectedMatrix matrix_;
   Points nodes_;
   Scalars between_, between_two_;  ///< one coordinate, contracted along z; along z and y
 };

@@ -1,5 +1,5 @@
-/// Symmetric positive definite matrices of lattices that are too wide for a factor (layer_matrix.hpp): preconditioned conjugate gradients
-/// (Hestenes & Stiefel 1952).
+/// Symmetric positive definite matrices of lattices that are too wide for a factor (dissected_matrix.hpp): preconditioned conjugate
+/// gradients (Hestenes & Stiefel 1952).
 ///
 /// A = M/g^2 + D/g + K has rigid motions that a stiff body resists by its masses alone, (omega g)^2 times less than its fastest
 /// vibrations. The preconditioner adds two solutions, that of the 3 x 3 blocks on the diagonal and that of a coarse lattice

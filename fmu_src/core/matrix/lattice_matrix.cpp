@@ -12,25 +12,25 @@ constexpr double work_together = 2;
 }  // namespace
 
 LatticeMatrix::LatticeMatrix(const Lattice& lattice) {
-  if (lattice.lobatto || LayerMatrix::points_per_layer(lattice) <= widest_factor)
-    layers_.emplace(lattice);
+  if (has_factor(lattice))
+    factor_.emplace(lattice);
   else
     gradients_.emplace(lattice);
 }
 
 double LatticeMatrix::solve(Points& b, double accuracy) {
-  if (!layers_) return double(gradients_->solve(b, accuracy)) / ConjugateGradients::usual;
-  layers_->solve(b);
+  if (!factor_) return double(gradients_->solve(b, accuracy)) / ConjugateGradients::usual;
+  factor_->solve(b);
   return 1;
 }
 
 double LatticeMatrix::solve_together(std::span<Points* const> sides) {
   double work = 0;
-  if (!layers_)
+  if (!factor_)
     for (Points* side : sides) work += solve(*side);
-  for (; layers_ && !sides.empty(); work += work_together) {
-    const auto now = sides.first(std::min(sides.size(), LayerMatrix::together));
-    layers_->solve_together(now);
+  for (; factor_ && !sides.empty(); work += work_together) {
+    const auto now = sides.first(std::min(sides.size(), DissectedMatrix::together));
+    factor_->solve_together(now);
     sides = sides.subspan(now.size());
   }
   return work;

@@ -19,26 +19,27 @@ INNER void subtract_four(int n, std::size_t stride, const double* a, const doubl
   }
 }
 
-INNER void subtract_products(int blocks, int count, std::size_t stride, const double* a, double* c) {
+INNER void subtract_products(int blocks, int count, std::size_t stride, const double* a, std::size_t c_stride, double* c) {
   const int n = block * blocks;
   for (int k = 0; k < count; k += 4, a += 4 * stride)
-    for (int j = 0; j < block; j += 2) subtract_four(n, stride, a, a + j, c + j * stride, c + (j + 1) * stride);
+    for (int j = 0; j < block; j += 2) subtract_four(n, stride, a, a + j, c + j * c_stride, c + (j + 1) * c_stride);
 }
 
-/// The same sums where there are 32 registers of eight numbers: eight rows of c stay in them while the columns go by.
-INNER void subtract_from_tile(int count, std::size_t stride, const double* a, const double* s, double* c) {
-  Lanes<block> sums[block];
-  for (int j = 0; j < block; ++j) sums[j] = load<block>(c + j * stride);
+/// The same sums where eight registers of n numbers and four more are at hand: n rows of c stay in them while the columns go by.
+template <int n>
+INNER void subtract_from_tile(int count, std::size_t stride, const double* a, const double* s, std::size_t c_stride, double* c) {
+  Lanes<n> sums[block];
+  for (int j = 0; j < block; ++j) sums[j] = load<n>(c + j * c_stride);
   for (int k = 0; k < count; k += 4, a += 4 * stride, s += 4 * stride) {
-    const Lanes<block> a0 = load<block>(a), a1 = load<block>(a + stride);
-    const Lanes<block> a2 = load<block>(a + 2 * stride), a3 = load<block>(a + 3 * stride);
+    const Lanes<n> a0 = load<n>(a), a1 = load<n>(a + stride), a2 = load<n>(a + 2 * stride), a3 = load<n>(a + 3 * stride);
     for (int j = 0; j < block; ++j) sums[j] -= (a0 * s[j] + a1 * s[stride + j]) + (a2 * s[2 * stride + j] + a3 * s[3 * stride + j]);
   }
-  for (int j = 0; j < block; ++j) store<block>(c + j * stride, sums[j]);
+  for (int j = 0; j < block; ++j) store<n>(c + j * c_stride, sums[j]);
 }
 
-INNER void subtract_products_by_tiles(int blocks, int count, std::size_t stride, const double* a, double* c) {
-  for (int b = 0; b < blocks; ++b) subtract_from_tile(count, stride, a + b * block, a, c + b * block);
+template <int n>
+INNER void subtract_products_by_tiles(int blocks, int count, std::size_t stride, const double* a, std::size_t c_stride, double* c) {
+  for (int b = 0; b < blocks * block; b += n) subtract_from_tile<n>(count, stride, a + b, a, c_stride, c + b);
 }
 
 /// Multiplies four columns by the inverse of the factor of their diagonal block from the right.
@@ -132,52 +133,64 @@ INNER void solve_upper(int columns, int rows, std::size_t stride, const double* 
   }
 }
 
+/// Right sides side by side, n of them in a register.
+template <int n>
 INNER void solve_lower_together(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
-  for (int j = 0; j < columns; j += block) {
-    const double* panel = l + j * stride + j;
-    Lanes<block> s[block];
-    for (int k = 0; k < block; ++k) s[k] = load<block>(y + (j + k) * block);
-    for (int k = 0; k < block; ++k) {
-      s[k] *= inverse[j + k];
-      for (int i = k + 1; i < block; ++i) s[i] -= panel[k * stride + i] * s[k];
-      store<block>(y + (j + k) * block, s[k]);
+  for (int j = 0; j < columns; j += block)
+    for (int side = 0; side < block; side += n) {
+      const double* panel = l + j * stride + j;
+      double* at = y + j * block + side;
+      Lanes<n> s[block];
+      for (int k = 0; k < block; ++k) s[k] = load<n>(at + k * block);
+#pragma GCC unroll 8
+      for (int k = 0; k < block; ++k) {
+        s[k] *= inverse[j + k];
+#pragma GCC unroll 8
+        for (int i = k + 1; i < block; ++i) s[i] -= panel[k * stride + i] * s[k];
+        store<n>(at + k * block, s[k]);
+      }
+      for (int i = block; i < rows - j; ++i) {
+        const double* of_row = panel + i;
+        store<n>(at + i * block,
+                 load<n>(at + i * block) -
+                     (((of_row[0] * s[0] + of_row[stride] * s[1]) + (of_row[2 * stride] * s[2] + of_row[3 * stride] * s[3])) +
+                      ((of_row[4 * stride] * s[4] + of_row[5 * stride] * s[5]) + (of_row[6 * stride] * s[6] + of_row[7 * stride] * s[7]))));
+      }
     }
-    for (int i = block; i < rows - j; ++i) {
-      const double* of_row = panel + i;
-      double* at = y + (j + i) * block;
-      store<block>(
-          at, load<block>(at) -
-                  (((of_row[0] * s[0] + of_row[stride] * s[1]) + (of_row[2 * stride] * s[2] + of_row[3 * stride] * s[3])) +
-                   ((of_row[4 * stride] * s[4] + of_row[5 * stride] * s[5]) + (of_row[6 * stride] * s[6] + of_row[7 * stride] * s[7]))));
-    }
-  }
 }
 
+template <int n>
 INNER void solve_upper_together(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
-  for (int j = columns - block; j >= 0; j -= block) {
-    const double* panel = l + j * stride + j;
-    Lanes<block> s[block];
-    for (int k = 0; k < block; ++k) s[k] = load<block>(y + (j + k) * block);
-    for (int i = block; i < rows - j; ++i) {
-      const Lanes<block> solved = load<block>(y + (j + i) * block);
-      for (int k = 0; k < block; ++k) s[k] -= panel[k * stride + i] * solved;
+  for (int j = columns - block; j >= 0; j -= block)
+    for (int side = 0; side < block; side += n) {
+      const double* panel = l + j * stride + j;
+      double* at = y + j * block + side;
+      Lanes<n> s[block];
+      for (int k = 0; k < block; ++k) s[k] = load<n>(at + k * block);
+      for (int i = block; i < rows - j; ++i) {
+        const Lanes<n> solved = load<n>(at + i * block);
+        for (int k = 0; k < block; ++k) s[k] -= panel[k * stride + i] * solved;
+      }
+#pragma GCC unroll 8
+      for (int k = block - 1; k >= 0; --k) {
+#pragma GCC unroll 8
+        for (int i = k + 1; i < block; ++i) s[k] -= panel[k * stride + i] * s[i];
+        s[k] *= inverse[j + k];
+        store<n>(at + k * block, s[k]);
+      }
     }
-    for (int k = block - 1; k >= 0; --k) {
-      for (int i = k + 1; i < block; ++i) s[k] -= panel[k * stride + i] * s[i];
-      s[k] *= inverse[j + k];
-      store<block>(y + (j + k) * block, s[k]);
-    }
-  }
 }
 
 }  // namespace loops
 
 decltype(subtract_products) subtract_products =
-    chosen<loops::subtract_products, loops::subtract_products, loops::subtract_products_by_tiles>();
+    chosen<loops::subtract_products, loops::subtract_products_by_tiles<4>, loops::subtract_products_by_tiles<8>>();
 decltype(factor_panel) factor_panel = chosen<loops::factor_panel>();
 decltype(solve_lower) solve_lower = chosen<loops::solve_lower>();
 decltype(solve_upper) solve_upper = chosen<loops::solve_upper<2>, loops::solve_upper<4>, loops::solve_upper<8>>();
-decltype(solve_lower_together) solve_lower_together = chosen<loops::solve_lower_together>();
-decltype(solve_upper_together) solve_upper_together = chosen<loops::solve_upper_together>();
+decltype(solve_lower_together) solve_lower_together =
+    chosen<loops::solve_lower_together<2>, loops::solve_lower_together<4>, loops::solve_lower_together<8>>();
+decltype(solve_upper_together) solve_upper_together =
+    chosen<loops::solve_upper_together<2>, loops::solve_upper_together<4>, loops::solve_upper_together<8>>();
 
 }  // namespace softffd::kernels

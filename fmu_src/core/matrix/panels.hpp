@@ -4,10 +4,10 @@
 
 namespace softffd::kernels {
 
-/// Columns and rows of panels come in blocks of this many; columns are `stride` apart.
+/// Columns and rows of panels come in blocks of this many; columns are `stride` apart, those of c `c_stride`.
 inline constexpr int block = 8;
 /// Eight columns c -= sum over `count` columns a_k of a_k times the first eight values of a_k; 8 `blocks` rows, `count` a multiple of 4.
-extern void (*const subtract_products)(int blocks, int count, std::size_t stride, const double* a, double* c);
+extern void (*const subtract_products)(int blocks, int count, std::size_t stride, const double* a, std::size_t c_stride, double* c);
 /// Cholesky factor of eight columns c with 8 `blocks` rows, the first eight of which are the diagonal block; above its diagonal nothing is
 /// left that has a meaning. inverse (8): 1 / diagonal of the factor.
 extern void (*const factor_panel)(int blocks, std::size_t stride, double* c, double* inverse);

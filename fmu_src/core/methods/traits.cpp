@@ -66,26 +66,21 @@ double step_work(const Body& body, const Drive& around, const Run& run, Method m
   return work + (carries_velocities(around, run, h) ? 1 : 2 * DampedKick::products(body, 0.5 * h));
 }
 
-/// Measured, a factor's work with that of its matrix: springs of 4 to 16 points an axis (conjugate gradients: 30 iterations of 3.3 to 3.8
-/// evaluations each); solids from one patch to 10 x 10 x 10 nodes, with the instructions of AVX-512, AVX2 and SSE2, whose costs in
-/// evaluations lie within a factor of two of each other. Of a solid's layers the last is one plane.
+/// Measured with the instructions of AVX2, within a third: springs of 4 to 32 points an axis and solids of 4 to 19, whose matrices take
+/// most of what does not grow with the lattice. Solutions with a factor of 16 MB and more wait for memory; those with contact take the
+/// responses of what touches besides. Conjugate gradients take 30 iterations of 3.3 to 3.8 evaluations each.
 ImplicitWork::ImplicitWork(const Lattice& lattice) {
-  const int points = LayerMatrix::points_per_layer(lattice);
-  const double per_layer = points / 16.0;
-  if (lattice.lobatto) {
-    const double patches = (*std::ranges::max_element(lattice.counts) - 1) / 3.0, last = 0.45;
-    factor = 150 + per_layer * per_layer * std::max(45.0, 2.9 * per_layer) * (patches - 1 + last) / patches;
-    solution = 3.2 * per_layer * std::max(1.0, per_layer / 8);
-    step = 8 + 4 * solution;
-  } else if (points > LatticeMatrix::widest_factor) {
+  if (!LatticeMatrix::has_factor(lattice)) {
     factor = 120;
     solution = 110;
     step = 8 + 4 * solution;
-  } else {
-    factor = 30 * per_layer * per_layer;
-    step = 8 + 15 * per_layer;
-    solution = step / 2;
+    return;
   }
+  const Dissection order(lattice);
+  const double per_point = 1.0 / lattice.points(), from_memory = order.solution_work() > 2e6 ? 2.5 : 1;
+  factor = lattice.lobatto ? 200 + 0.01 * per_point * order.factor_work() : 20 + 0.005 * per_point * order.factor_work();
+  solution = 0.025 * per_point * order.solution_work() * from_memory;
+  step = 8 + 2 * solution;
 }
 
 }  // namespace softffd

@@ -7,6 +7,7 @@
 ///      direction (1,0,0): offset 1          (0,1,0): offset nx         (0,0,1): offset nx ny
 ///      direction (1,1,0): offset 1 + nx     (-1,1,0): offset nx - 1    ...
 #pragma once
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct Lattice {
   double largest_side() const { return size.maxCoeff(); }
   /// Sides of a cell [m].
   Vec3 cell() const { return size.cwiseQuotient(Vec3(counts[0] - 1, counts[1] - 1, counts[2] - 1)); }
+  /// Of a plane across the longest axis.
+  int points_across() const { return points() / *std::max_element(counts.begin(), counts.end()); }
   int cells() const { return (counts[0] - 1) * (counts[1] - 1) * (counts[2] - 1); }
 };
 

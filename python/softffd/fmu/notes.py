@@ -115,7 +115,7 @@ def wide_note(scene: Scene) -> str | None:
     if not (scene.is_solid and across > WIDEST and implicit and scene.solver.method == "auto"):
         return None
     return (
-        f"{across} points across the longest axis are more than implicit steps take, {WIDEST}, as 10 x 10: damped or at rest, the body "
+        f"{across} points across the longest axis are more than implicit steps take, {WIDEST}, as 19 x 19: damped or at rest, the body "
         "takes explicit steps, which may be many times slower"
     )
 

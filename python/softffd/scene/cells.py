@@ -9,9 +9,8 @@ LONGEST, FLATTEST = math.sqrt(1.5), math.sqrt(2)
 """How many times longer a cell of springs may be in one direction than in the other two, and in two than in the third."""
 SLENDER, SLENDER_PATCH = 2.5, 4.0
 """How many times longer a cell of a solid may be in one direction than in another; those of a single patch"""
-WIDEST = 320 // PATCH
-"""Points across the longest axis of a solid for which there are matrices, which have a layer's three planes in a block
-(fmu_src/core/matrix/lattice_matrix.hpp)"""
+WIDEST = 400
+"""Points across the longest axis of a solid for which there are matrices (fmu_src/core/matrix/lattice_matrix.hpp)"""
 Fits = Callable[[Sequence[float], Sequence[int]], bool]  # whether a body can have so many cells in a box of these sides [m]
 
 

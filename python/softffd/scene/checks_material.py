@@ -177,7 +177,7 @@ def _words(draft: Draft) -> Iterator[Fault]:
     }
     for path, (got, wanted) in choices.items():
         if got not in wanted:
-            wide = f"; at most {WIDEST} points across the longest axis, as 10 x 10, have it too" if got in IMPLICIT else ""
+            wide = f"; at most {WIDEST} points across the longest axis, as 19 x 19, have it too" if got in IMPLICIT else ""
             yield refused(path, f"{either(wanted)} beside {SOLID}", got, wide)
 
 

@@ -16,7 +16,7 @@ struct Stiff {
   Points x = rest_positions(lattice), b = x;
   Scalars diagonal = 26e4 / (omega_g * omega_g) * (1.2 + Scalars::LinSpaced(lattice.points(), -1, 1));
   LatticeMatrix matrix{lattice};
-  LayerMatrix factor{lattice};
+  DissectedMatrix factor{lattice};
 
   explicit Stiff(const Lattice& lattice, double omega_g = 1e3) : lattice(lattice), omega_g(omega_g) {
     x.col(0) *= 1.1;

@@ -59,16 +59,16 @@ def test_no_note_of_points_that_a_pin_holds_or_that_nothing_pulls_at():
     assert told(box(stiffness=0.0, region=[CORNER])) is None
 
 
-@pytest.mark.parametrize(("size", "text"), [([0.1, 0.1, 0.1], "169 points across"), ([0.1, 0.1, 0.05], None)])
+@pytest.mark.parametrize(("size", "text"), [([0.1, 0.1, 0.1], "484 points across"), ([0.1, 0.1, 0.05], None)])
 def test_a_solid_too_wide_for_implicit_steps_says_so(size, text):
     material = {"model": "solid", "youngs_modulus": 1e6, "poissons_ratio": 0.45, "density": 1e3, "internal_damping": 1e-3}
-    document = {"lattice": {"size": size, "cells": 12}, "material": material}
+    document = {"lattice": {"size": size, "cells": 21}, "material": material}
     told = wide_note(scene_from(document))
     assert told is None if text is None else told.startswith(text)
     implicit = {**document, "solver": {"method": "sdirk2"}}
     if text:
         assert told in body_notes(scene_from(document), scene_masses(scene_from(document)), None)
-        with pytest.raises(SceneError, match="at most 106 points across"):
+        with pytest.raises(SceneError, match="at most 400 points across"):
             scene_from(implicit)
     else:
         assert wide_note(scene_from(implicit)) is None

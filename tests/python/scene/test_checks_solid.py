@@ -15,7 +15,7 @@ from softffd.scene.scene import scene_from
 SOLID = {"model": "solid", "youngs_modulus": 1e6}
 BESIDE = 'beside material.model = "solid"'
 SPRINGS = 'beside material.model = "springs"'
-NARROWER = "; at most 106 points across the longest axis, as 10 x 10, have it too"
+NARROWER = "; at most 400 points across the longest axis, as 19 x 19, have it too"
 SLENDER = "cells of a solid at most 2.5 times as long in one direction as in another (4 times with a single patch)"
 
 
@@ -64,7 +64,7 @@ REFUSED = [
        'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler" or "sdirk2" '
        f'{BESIDE}, got "{word}"')
       for word in ("central_difference",)),
-    *((solid(solver={"method": word}, lattice={"points": [13, 13, 13]}),
+    *((solid(solver={"method": word}, lattice={"points": [22, 22, 22]}),
        f'solver.method: wanted "auto", "leapfrog", "bm4", "rkn12" or "dop853" {BESIDE}, got "{word}"{narrower}')
       for word, narrower in (("central_difference", ""), *dict.fromkeys(("ros34pw2", "backward_euler", "sdirk2"), NARROWER).items())),
     # density

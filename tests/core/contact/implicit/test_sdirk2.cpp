@@ -37,7 +37,8 @@ TEST(sdirk2_is_of_second_order_on_a_smooth_stretch_of_contact_and_balances_momen
 TEST(sdirk2_is_exact_in_a_fall_and_in_sliding_and_keeps_rest_and_what_sticks) {
   FallingBox falling(1e6, 0);
   CheckedRun fall(falling, 0.05, 0.5, true);
-  CHECK_NEAR(falling.state.x(0, 2), -0.5 * g * 0.25, 1e-12);
+  CHECK_NEAR(FallingBox::mean(falling.state.x).z(), 0.5 - 0.5 * g * 0.25, 1e-13);
+  CHECK_NEAR(falling.state.x(0, 2), -0.5 * g * 0.25, 1e-11);  // it turns by what rounding leaves of a condition of 4e5
 
   FallingBox sliding = damped(1e8, 1e-3, 0.3);
   sliding.throw_at({2, 0, 0}, Vec3::Zero());
