@@ -62,14 +62,6 @@ void DissectedMatrix::clear() {
   }
 }
 
-double& DissectedMatrix::at(int p, int a, int q, int b) {
-  double* found = nullptr;
-  visit(p, q, [&](int row, int column, double& entry) {
-    if ((row == a && column == b) || (p == q && row == b && column == a)) found = &entry;
-  });
-  return *found;
-}
-
 Mat3 DissectedMatrix::block(int p, int q) const {
   Mat3 block;
   visit(p, q, [&](int a, int b, double entry) {
@@ -167,7 +159,7 @@ void DissectedMatrix::solve(Points& b) {
 
 void DissectedMatrix::solve_together(std::span<Points* const> sides) {
   static_assert(together == kernels::block);
-  unknowns_of_all_ = Scalars::Zero(unknowns_.size() * together);
+  unknowns_of_all_.setZero(unknowns_.size() * together);
   local_of_all_.resize(local_.size() * together);
   const auto visit = [&](auto take) {
     for (int a = 0; a < 3; ++a)

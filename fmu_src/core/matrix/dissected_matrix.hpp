@@ -9,8 +9,8 @@
 ///        [ L         ]               own rows and boundary rows are padded to a multiple of eight, own ones with ones on the diagonal
 ///        [ L     left ]              left -= L L^T, then it is the parent's
 ///
-/// Of n x n x n points a factor takes some 10 n^6 multiplications where layer after layer it would be 30 n^7, and 30 n^4 numbers; in
-/// measured numbers lattice_matrix.hpp. The loops are panels.hpp's: same bits on every instruction set.
+/// Of n x n x n points a factor takes 80 to 110 n^6 multiplications, where layer after layer it would be 30 n^7 (springs) and 280 n^7
+/// (solids, three planes at a time), and 80 to 90 n^4 numbers. The loops are panels.hpp's: same bits on every instruction set.
 #pragma once
 #include <memory>
 #include <span>
@@ -27,8 +27,7 @@ class DissectedMatrix {
   explicit DissectedMatrix(const Lattice& lattice);
 
   void clear();
-  /// Entry of coordinates a of point p and b of point q, which meet. One triangle alone is stored: (p, a, q, b) and (q, b, p, a) are one.
-  double& at(int p, int a, int q, int b);
+  /// Of two points that meet, or of one. One triangle alone is stored: the block of (p, q) is that of (q, p), turned over.
   Mat3 block(int p, int q) const;
   /// Of two points; or of one, then symmetric.
   void set_block(int p, int q, const Mat3& block) {

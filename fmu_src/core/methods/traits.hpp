@@ -49,7 +49,7 @@ inline bool takes_free_bodies(Method method) {
 bool takes_solid(Method method, const Lattice& lattice);
 
 /// Work of an implicit step without contact: of a step, of a factor and of taking a step into the body's frame; and of a solution of the
-/// linear equations with contact; by the operations they take and their measured time on 4 x 4 x 4.
+/// linear equations with contact; by the operations they take and their measured time.
 struct ImplicitWork {
   double step, factor, solution, frame = 10;
   explicit ImplicitWork(const Lattice& lattice);

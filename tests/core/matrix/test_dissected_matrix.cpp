@@ -130,7 +130,9 @@ TEST(a_matrix_that_is_not_positive_definite_gives_no_numbers) {
   const Lattice lattice;
   DissectedMatrix matrix(lattice);
   fill(lattice, matrix);
-  matrix.at(9, 1, 9, 1) = -1;
+  Mat3 block = matrix.block(9, 9);
+  block(1, 1) = -1;
+  matrix.set_block(9, 9, block);
   matrix.factor();
   Points b = Points::Ones(lattice.points(), 3);
   matrix.solve(b);
