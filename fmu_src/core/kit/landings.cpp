@@ -18,8 +18,8 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Of the neighbour for one of the path at an impact [1].
-constexpr Count impact_steps = 8;
+/// Of the neighbour for one of the path at an impact, at most [1].
+constexpr double impact_steps = 8;
 /// Work of a step in contact, in that of one without, as it is taken beforehand [1].
 constexpr double most_of_contact = 4;
 /// To bring a body that is set beside itself out of obstacles, one at a time.
@@ -81,9 +81,10 @@ void shift_phase(const Body& body, const State& begin, const RigidMotion& rigid,
 
 /// The same time in steps that are out of phase with the path's: what comes onto an obstacle in which step is then not the same by
 /// accident. Where it lands they are many times shorter: what comes within a step is taken to come at once, and which place comes
-/// first decides.
-Span out_of_phase(const Span& span, bool lands) {
-  const Count steps = (lands ? use::impact_steps : 1) * span.steps + 1;
+/// first decides. None is shorter than the path's may be.
+Span out_of_phase(const StepContext& context, const Span& span, bool lands) {
+  const double times = lands ? std::clamp(span.h / shortest_in_contact(context), 1.0, use::impact_steps) : 1;
+  const Count steps = Count(times * double(span.steps)) + 1;
   return {span.origin, 0, span.h * double(span.steps) / double(steps), steps};
 }
 
@@ -176,7 +177,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
     end.swap(path.motion.free);
     if (!neighbour.follows) return;
   }
-  const Span own = method == Method::leapfrog ? out_of_phase(span, lands(context, begin.time, impact)) : span;
+  const Span own = method == Method::leapfrog ? out_of_phase(context, span, lands(context, begin.time, impact)) : span;
   const double work = use::most_of_contact * double(own.steps) * step_work(context.model.body, context.drive, context.run, method, own.h);
   if (!integrators.budget().covers(work)) return neighbour.forget();
   if (impact) neighbour.impact = path.motion.time;

@@ -96,7 +96,7 @@ inline constexpr double rounding = 1e-15;
 inline constexpr Count stretch_steps = 24;
 /// A stretch is run again if its error is this many times what it may be [1]; a single one may exceed its part.
 inline constexpr double too_much = 4;
-/// Where contact makes the difference jump, steps are not cut below this fraction of the stable one [1].
+/// Where contact makes the difference jump, steps are not cut below this fraction of the stable one [1]; of a surface see kit/limits.cpp.
 inline constexpr double least_doubled = 1.0 / 1000;
 /// Lower bound of the step's change after a stretch [1].
 inline constexpr double next_shrink = 0.5;

@@ -141,8 +141,8 @@ def _run(drive: Drive, scene: Drawn, which: str, found: dict[str, Run]) -> Run:
 
 def _convicts(drive: Drive, scene: Drawn, found: dict[str, Run]) -> bool:
     """Whether the last two rungs show an error: of a chaotic motion both may be on another branch, which a finer one tells."""
-    asked, done = found["asked"], [found[name] for name in RUNGS if name in found and found[name].x is not None]
-    return asked.x is not None and len(done) > 1 and convicted(scene, drive.side, asked, *done[-2:])
+    asked, done = found.get("asked"), [found[name] for name in RUNGS if name in found and found[name].x is not None]
+    return asked is not None and asked.x is not None and len(done) > 1 and convicted(scene, drive.side, asked, *done[-2:])
 
 
 def ladder(drive: Drive, scene: Drawn) -> list[float]:

@@ -171,6 +171,10 @@ def test_the_ladder_ends_where_two_runs_agree():
     assert {run.words for run in results[len(done) :]} == {"not needed"}
 
 
+def test_without_the_run_that_was_lost_none_convicts_it():
+    assert [run.words for run in run_jobs([Job(6, "rung 3")])] == ["no more work"]  # the work allows two rungs
+
+
 def test_command_keeps_the_table_of_verdicts(tmp_path, capsys):
     assert exit_status(lambda: run_tool(["random", "1", "--seed", str(RIGHT_NOW[2]), "-j", "1", "-o", str(tmp_path)])) == 0
     (row,) = csv.DictReader((tmp_path / "random.csv").open())
