@@ -27,8 +27,9 @@ constexpr double frame_angle = 1;
 /// Of a step times the rate of damping, where free parts are kicked by dashpots [1].
 constexpr double part_damping = 0.8;
 /// Fraction of the stable step below which those of a surface of many vertices are not cut, at a tolerance as large as the box, and the
-/// largest [1]: which vertex comes down first decides there, so that the error falls with the square root of the step at most. On cubes that
-/// drop flat or tilted steps of 1/1000 err as much as those of 1/128 at a tolerance of 1e-4; smaller tolerances may be met by shorter ones.
+/// largest [1]: which vertex comes down first decides there, so that the error falls with the square root of the step at most. On cubes
+/// that drop flat or tilted steps of 1/1000 err as much as those of 1/128 at a tolerance of 1e-4; smaller tolerances may be met by shorter
+/// ones.
 constexpr double least_of_surface = 0.8, most_of_surface = 1.0 / 32;
 
 }  // namespace thresholds
