@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/elimination.hpp"
+#include "model/arithmetic.hpp"
 #include "model/plane.hpp"
 
 namespace softffd {
@@ -19,9 +20,10 @@ constexpr double sweep_work = 10;
 /// Newton's steps at a time; then so many sweeps, doubled each round.
 constexpr int most_newton = 12, fewest_sweeps = 4, most_sweeps = 128, most_newton_rounds = 12;
 
-Vec3 into_disk(const Vec3& p, double limit) {
-  const double size = p.norm();
-  return size <= limit ? p : Vec3(p * (limit / size));
+template <class Vector>
+Vector into_disk(const Vector& p, double limit) {
+  const double squared = p.squaredNorm();
+  return squared <= limit * limit ? p : Vector(p * (limit / std::sqrt(squared)));
 }
 
 using TangentBasis = Eigen::Matrix<double, 3, 2>;
@@ -46,48 +48,68 @@ Eigen::Matrix2d turning(const Eigen::Vector2d& aim, double limit) {
 }  // namespace
 
 double DiskFriction::solve(const Disks& disks, std::vector<Vec3>& p) {
-  double largest = 0;
-  for (const Vec3& slip : disks.slip) largest = std::max(largest, slip.norm());
-  if (largest == 0) {
-    std::fill(p.begin(), p.end(), Vec3::Zero());
-    return 0;
-  }
+  count_ = int(p.size());
+  if (count_ == 0) return 0;
+  const TangentBasis basis = tangents(disks.normals[disks.rows.rows()[0].plane]);
+  p_.resize(count_);
+  free_slips_.resize(count_);
   free_.clear();
-  for (int t = 0; t < int(p.size()); ++t) {
-    p[t] = into_disk(tangential(disks.normals[disks.rows.rows()[t].plane], p[t]), disks.limit[t]);
+  for (int t = 0; t < count_; ++t) {
+    free_slips_[t] = basis.transpose() * disks.slip[t];
+    p_[t] = into_disk(Pair(basis.transpose() * p[t]), disks.limit[t]);
     if (disks.limit[t] > 0) free_.push_back(t);
   }
-  stuck_known_ = free_.size() == p.size();
-  if (free_.empty() || (stuck_known_ && stick(disks, p))) return 0;
+  const double missed = solve(disks);
+  for (int t = 0; t < count_; ++t) p[t] = basis * p_[t];
+  return missed;
+}
+
+double DiskFriction::solve(const Disks& disks) {
+  double largest = 0;
+  for (const Pair& slip : free_slips_) largest = std::max(largest, slip.norm());
+  if (largest == 0) {
+    std::fill(p_.begin(), p_.end(), Pair::Zero());
+    return 0;
+  }
+  if (free_.empty()) return 0;
+  all_free_ = int(free_.size()) == count_;
+  stuck_known_ = false;
+  const bool slides_on = std::ranges::any_of(free_, [&](int t) { return p_[t].norm() >= slid * disks.limit[t]; });
+  if (all_free_ && !slides_on && stick(disks)) return 0;
   spread(disks.rows);
-  double best = look(disks, p);
-  best_ = p;
+  double best = look(disks);
+  best_ = p_;
+  bool at_best = true;
   const auto keep = [&] {
-    const double now = look(disks, p);
-    if (!(now < best)) return;
+    const double now = look(disks);
+    at_best = now < best;
+    if (!at_best) return;
     best = now;
-    best_ = p;
+    best_ = p_;
   };
-  const auto sliding = [&] { return std::count_if(free_.begin(), free_.end(), [&](int t) { return slides(disks, p, t); }); };
-  if (2 * sliding() > Count(free_.size()))  // fast, perhaps: then friction hardly turns, and sweeps are all it takes
-    for (double before = 2 * falling * best; best > exact * largest && falling * best < before;) {
+  const auto back_to_best = [&] {
+    if (at_best) return;
+    p_ = best_;
+    look(disks);
+  };
+  const auto left = [&] { return best > exact * largest && !disks.rows.operations().spent(); };
+  if (2 * sliding_.size() > free_.size())  // fast, perhaps: then friction hardly turns, and sweeps are all it takes
+    for (double before = 2 * falling * best; left() && falling * best < before;) {
       before = best;
-      sweep(disks, p);
+      sweep(disks);
       keep();
     }
-  p = best_;
-  look(disks, p);
-  const Operations& done = disks.rows.operations();
-  for (int round = 0, sweeps = fewest_sweeps; round < most_newton_rounds && best > exact * largest && !done.spent();
-       ++round, sweeps = std::min(2 * sweeps, most_sweeps)) {
-    for (int i = 0; i < most_newton && best > exact * largest && !done.spent() && newton_step(disks, p); ++i) keep();
-    if (best <= exact * largest) break;
-    p = best_;
-    for (int i = 0; i < sweeps; ++i) sweep(disks, p);
+  back_to_best();
+  for (int round = 0, sweeps = fewest_sweeps; round < most_newton_rounds && left(); ++round, sweeps = std::min(2 * sweeps, most_sweeps)) {
+    for (int i = 0; i < most_newton && left() && newton_step(disks); ++i) keep();
+    if (!left()) break;
+    at_best = false;
+    back_to_best();
+    for (int i = 0; i < sweeps; ++i) sweep(disks);
     keep();
   }
-  p = best_;
-  for (const int t : free_) p[t] = into_disk(p[t], disks.limit[t]);
+  p_ = best_;
+  for (const int t : free_) p_[t] = into_disk(p_[t], disks.limit[t]);
   return best / largest;
 }
 
@@ -98,80 +120,92 @@ double DiskFriction::sign(const Disks& disks, int t) const {
 
 /// G, row by row.
 void DiskFriction::spread(const Delassus& rows) {
-  count_ = rows.size();
   known_.assign(count_, 0);
   columns_.resize(count_ * count_);
   g_.resize(count_ * count_);
-  for (int t = 0; t < count_; ++t)
+  inverse_own_.resize(count_);
+  for (int t = 0; t < count_; ++t) {
     for (int u = 0; u <= t; ++u) g_[t * count_ + u] = g_[u * count_ + t] = rows(t, u);
+    inverse_own_[t] = 1 / rows(t, t);
+  }
+}
+
+/// Friction by which everything sticks.
+void DiskFriction::find_stuck(const Disks& disks) {
+  constexpr int together = Delassus::together;  // two are used
+  if (stuck_known_) return;
+  stuck_known_ = true;
+  stuck_.resize(count_);
+  columns_at_once_.assign(together * count_, 0.0);
+  for (int t = 0; t < count_; ++t)
+    for (int a = 0; a < 2; ++a) columns_at_once_[together * t + a] = -sign(disks, t) * free_slips_[t][a];
+  disks.rows.solve_together(columns_at_once_.data());
+  for (int t = 0; t < count_; ++t) stuck_[t] = sign(disks, t) * Pair(columns_at_once_[together * t], columns_at_once_[together * t + 1]);
 }
 
 /// Does everything stick? p becomes the friction that makes it, if that is within the disks.
-bool DiskFriction::stick(const Disks& disks, std::vector<Vec3>& p) {
-  const int n = int(p.size());
-  const TangentBasis basis = tangents(disks.normals[disks.rows.rows()[0].plane]);
-  stuck_.assign(n, Vec3::Zero());
-  one_.resize(n);
-  for (int a = 0; a < 2; ++a) {
-    for (int t = 0; t < n; ++t) one_[t] = -sign(disks, t) * basis.col(a).dot(disks.slip[t]);
-    disks.rows.solve(one_.data());
-    for (int t = 0; t < n; ++t) stuck_[t] += sign(disks, t) * one_[t] * basis.col(a);
-  }
-  for (int t = 0; t < n; ++t)
+bool DiskFriction::stick(const Disks& disks) {
+  find_stuck(disks);
+  for (int t = 0; t < count_; ++t)
     if (!(stuck_[t].squaredNorm() <= disks.limit[t] * disks.limit[t])) return false;
-  p = stuck_;
+  p_ = stuck_;
   return true;
 }
 
-Vec3 DiskFriction::slip_at(const Disks& disks, const std::vector<Vec3>& p, int t) const {
-  Vec3 moved = Vec3::Zero();
-  const double* row = &g_[t * count_];
-  for (const int u : free_) moved += row[u] * p[u];
-  return disks.slip[t] + tangential(disks.normals[disks.rows.rows()[t].plane], moved);
-}
-
-/// By how much the law is missed at p, in slip.
-double DiskFriction::look(const Disks& disks, const std::vector<Vec3>& p) {
-  disks.rows.operations().spend(sweep_work * double(free_.size()) * double(free_.size()));
-  double worst = 0;
-  slips_.resize(p.size());
-  for (const int t : free_) {
-    slips_[t] = slip_at(disks, p, t);
-    worst = std::max(worst, own(t) * (p[t] - into_disk(p[t] - slips_[t] / own(t), disks.limit[t])).norm());
+void DiskFriction::find_slips() {
+  slips_ = free_slips_;
+  for (const int u : free_) {
+    const double* g = &g_[u * count_];
+    for (int t = 0; t < count_; ++t) slips_[t] += g[t] * p_[u];
   }
-  return worst;
 }
 
-void DiskFriction::sweep(const Disks& disks, std::vector<Vec3>& p) {
+/// By how much the law is missed at p, in slip; which rows slide there.
+double DiskFriction::look(const Disks& disks) {
   disks.rows.operations().spend(sweep_work * double(free_.size()) * double(free_.size()));
-  for (const int t : free_) p[t] = into_disk(p[t] - slip_at(disks, p, t) / own(t), disks.limit[t]);
+  find_slips();
+  sliding_.clear();
+  double worst = 0;  // squared
+  for (const int t : free_) {
+    const Pair to = aim(t);
+    const double squared = to.squaredNorm(), limit = disks.limit[t];
+    if (squared > limit * limit) {
+      sliding_.push_back(t);
+      worst = std::max(worst, (p_[t] - limit / std::sqrt(squared) * to).squaredNorm() / power(inverse_own_[t], 2));
+    } else {
+      worst = std::max(worst, slips_[t].squaredNorm());
+    }
+  }
+  return std::sqrt(worst);
 }
 
-bool DiskFriction::slides(const Disks& disks, const std::vector<Vec3>& p, int t) const {
-  return (p[t] - slips_[t] / own(t)).norm() > disks.limit[t];
+/// Once over the disks, from where slips are known.
+void DiskFriction::sweep(const Disks& disks) {
+  disks.rows.operations().spend(sweep_work * double(free_.size()) * double(free_.size()));
+  for (const int t : free_) {
+    const Pair to = into_disk(aim(t), disks.limit[t]), more = to - p_[t];
+    p_[t] = to;
+    const double* g = &g_[t * count_];
+    for (int u = 0; u < count_; ++u) slips_[u] += g[u] * more;
+  }
 }
 
 /// From p that was looked at. With a row's aim z = p - slip(p) / G_tt: one that sticks has no slip; one that slides has limit z/|z|, which
 /// turns with its aim by T = limit / |z| (1 - z z'/z.z), so that along z its friction is known, and across p = T (p - slip(p) / G_tt).
-bool DiskFriction::newton_step(const Disks& disks, std::vector<Vec3>& p) {
-  sliding_.clear();
-  for (const int t : free_)
-    if (slides(disks, p, t)) sliding_.push_back(t);
-  if (stuck_known_ && 3 * sliding_.size() <= 2 * p.size()) return newton_step_of_few(disks, p);
+bool DiskFriction::newton_step(const Disks& disks) {
+  if (all_free_ && 3 * int(sliding_.size()) <= 2 * count_) return newton_step_of_few(disks);
   unknowns_.clear();
   auto slides_too = sliding_.begin();
   for (const int t : free_) {
-    const Vec3& normal = disks.normals[disks.rows.rows()[t].plane];
     if (slides_too != sliding_.end() && *slides_too == t) {
       ++slides_too;
-      const Vec3 aim = p[t] - slips_[t] / own(t);
-      const double size = aim.norm();
-      p[t] = disks.limit[t] / size * aim;
-      unknowns_.push_back({t, normal.cross(aim) / size, disks.limit[t] / size});
+      const Pair to = aim(t);
+      const double size = to.norm();
+      p_[t] = disks.limit[t] / size * to;
+      unknowns_.push_back({t, Pair(-to[1], to[0]) / size, disks.limit[t] / size});
     } else {
-      const TangentBasis basis = tangents(normal);
-      p[t].setZero();
-      for (int a = 0; a < 2; ++a) unknowns_.push_back({t, basis.col(a), 1});
+      p_[t].setZero();
+      for (int a = 0; a < 2; ++a) unknowns_.push_back({t, Pair::Unit(a), 1});
     }
   }
   const int n = int(unknowns_.size());
@@ -179,15 +213,16 @@ bool DiskFriction::newton_step(const Disks& disks, std::vector<Vec3>& p) {
   if (disks.rows.operations().spent()) return false;
   slopes_.resize(std::size_t(n) * n);
   right_.resize(n);
+  find_slips();
   for (int i = 0; i < n; ++i) {
     const auto& [t, along, turn] = unknowns_[i];
-    const double share = turn / own(t), *row = &g_[t * count_];
-    right_[i] = -share * along.dot(slip_at(disks, p, t));
+    const double share = turn * inverse_own_[t], *row = &g_[t * count_];
+    right_[i] = -share * along.dot(slips_[t]);
     for (int j = 0; j < n; ++j) slopes_[i * n + j] = share * row[unknowns_[j].row] * along.dot(unknowns_[j].along);
     slopes_[i * n + i] += 1 - turn;
   }
   if (!eliminate(n, slopes_, right_)) return false;
-  for (int i = 0; i < n; ++i) p[unknowns_[i].row] += right_[i] * unknowns_[i].along;
+  for (int i = 0; i < n; ++i) p_[unknowns_[i].row] += right_[i] * unknowns_[i].along;
   return true;
 }
 
@@ -196,11 +231,11 @@ void DiskFriction::find_columns(const Disks& disks) {
   constexpr int together = Delassus::together;
   int wanted[together], found = 0;
   const auto solve = [&] {
-    one_.assign(together * count_, 0.0);
-    for (int c = 0; c < found; ++c) one_[together * wanted[c] + c] = sign(disks, wanted[c]);
-    disks.rows.solve_together(one_.data());
+    columns_at_once_.assign(together * count_, 0.0);
+    for (int c = 0; c < found; ++c) columns_at_once_[together * wanted[c] + c] = sign(disks, wanted[c]);
+    disks.rows.solve_together(columns_at_once_.data());
     for (int c = 0; c < found; ++c) {
-      for (int t = 0; t < count_; ++t) columns_[wanted[c] * count_ + t] = sign(disks, t) * one_[together * t + c];
+      for (int t = 0; t < count_; ++t) columns_[wanted[c] * count_ + t] = sign(disks, t) * columns_at_once_[together * t + c];
       known_[wanted[c]] = 1;
     }
     found = 0;
@@ -211,31 +246,31 @@ void DiskFriction::find_columns(const Disks& disks) {
 }
 
 /// The same where few rows slide, in their slips: p = stuck + G^-1 slips.
-bool DiskFriction::newton_step_of_few(const Disks& disks, std::vector<Vec3>& p) {
-  const int n = int(p.size()), k = int(sliding_.size());
-  disks.rows.operations().spend(double(k) * k * (8.0 / 3 * k + n));
-  const TangentBasis basis = tangents(disks.normals[disks.rows.rows()[0].plane]);
+bool DiskFriction::newton_step_of_few(const Disks& disks) {
+  const int k = int(sliding_.size());
+  disks.rows.operations().spend(double(k) * k * (8.0 / 3 * k + count_));
+  find_stuck(disks);
   find_columns(disks);
   slopes_.assign(4 * k * k, 0.0);
   right_.assign(2 * k, 0.0);
   for (int i = 0; i < k; ++i) {
     const int t = sliding_[i];
-    const Eigen::Vector2d aim = basis.transpose() * (p[t] - slips_[t] / own(t)), stuck = basis.transpose() * stuck_[t];
-    const Eigen::Matrix2d turn = turning(aim, disks.limit[t]), rest = Eigen::Matrix2d::Identity() - turn;
-    const Eigen::Vector2d wanted = aim * (disks.limit[t] / aim.norm()) - rest * stuck;
+    const Pair to = aim(t);
+    const Eigen::Matrix2d turn = turning(to, disks.limit[t]), rest = Eigen::Matrix2d::Identity() - turn;
+    const Pair wanted = to * (disks.limit[t] / to.norm()) - rest * stuck_[t];
     for (int a = 0; a < 2; ++a) {
       right_[2 * i + a] = wanted[a];
       for (int j = 0; j < k; ++j)
         for (int b = 0; b < 2; ++b)
-          slopes_[(2 * i + a) * 2 * k + 2 * j + b] = rest(a, b) * column(sliding_[j])[t] + (i == j ? turn(a, b) / own(t) : 0.0);
+          slopes_[(2 * i + a) * 2 * k + 2 * j + b] = rest(a, b) * column(sliding_[j])[t] + (i == j ? turn(a, b) * inverse_own_[t] : 0.0);
     }
   }
   if (!eliminate(2 * k, slopes_, right_)) return false;
-  p = stuck_;
+  p_ = stuck_;
   for (int j = 0; j < k; ++j) {
-    const Vec3 slip = basis * Eigen::Vector2d(right_[2 * j], right_[2 * j + 1]);
+    const Pair slip(right_[2 * j], right_[2 * j + 1]);
     const double* moved = column(sliding_[j]);
-    for (int t = 0; t < n; ++t) p[t] += moved[t] * slip;
+    for (int t = 0; t < count_; ++t) p_[t] += moved[t] * slip;
   }
   return true;
 }

@@ -2,13 +2,18 @@
 /// their planes.
 ///
 /// s is the slip without friction, p the friction; its solution has p_t inside its disk where the slip s + G p vanishes, and on the rim
-/// against the slip elsewhere. Nearly always everything sticks, which the normal forces' own factor tells, or the rows that slid last slide
-/// again, which Newton's method on p = disk(p - slip(p) / G_tt) tells (Alart & Curnier 1991); where few slide, in unknowns of theirs alone,
-/// by that factor. Where both fail, sweeps over the disks, which always converge, lead closer.
+/// against the slip elsewhere. Where nothing slid last, everything may stick, which the normal forces' own factor tells; else the rows that
+/// slid last slide again, nearly always, which Newton's method on p = disk(p - slip(p) / G_tt) tells (Alart & Curnier 1991); where few
+/// slide, in unknowns of theirs alone, by that factor. Where both fail, sweeps over the disks, which always converge, lead closer.
+///
+/// All in the two coordinates of the planes.
 #pragma once
 #include "contact/surface/delassus.hpp"
 
 namespace softffd {
+
+/// Of its limit, friction from which on a row slid.
+inline constexpr double slid = 1 - 1e-9;
 
 struct Disks {
   const Delassus& rows;
@@ -23,34 +28,38 @@ class DiskFriction {
   double solve(const Disks& disks, std::vector<Vec3>& p);
 
  private:
-  bool stick(const Disks& disks, std::vector<Vec3>& p);
-  double look(const Disks& disks, const std::vector<Vec3>& p);
-  void sweep(const Disks& disks, std::vector<Vec3>& p);
-  bool newton_step(const Disks& disks, std::vector<Vec3>& p);
-  bool newton_step_of_few(const Disks& disks, std::vector<Vec3>& p);
+  using Pair = Eigen::Vector2d;
+
+  double solve(const Disks& disks);
+  bool stick(const Disks& disks);
+  void find_stuck(const Disks& disks);
+  double look(const Disks& disks);
+  void sweep(const Disks& disks);
+  bool newton_step(const Disks& disks);
+  bool newton_step_of_few(const Disks& disks);
   void spread(const Delassus& rows);
-  double own(int t) const { return g_[t * (count_ + 1)]; }
   void find_columns(const Disks& disks);
+  void find_slips();
   const double* column(int t) const { return &columns_[t * count_]; }
   double sign(const Disks& disks, int t) const;
-  Vec3 slip_at(const Disks& disks, const std::vector<Vec3>& p, int t) const;
-  bool slides(const Disks& disks, const std::vector<Vec3>& p, int t) const;
+  Pair aim(int t) const { return p_[t] - inverse_own_[t] * slips_[t]; }
 
   /// Of Newton's method.
   struct Unknown {
     int row;
-    Vec3 along;
+    Pair along;
     double turn;  ///< of the row's friction by its aim, relative; 1: it sticks
   };
   int count_ = 0;
-  std::vector<double> g_;  ///< (count * count)
+  std::vector<double> inverse_own_;                  ///< 1 / G_tt
+  std::vector<double> g_;                            ///< (count * count)
+  std::vector<Pair> p_, best_, free_slips_, slips_;  ///< slips: with the friction that was looked at last
+  std::vector<Pair> stuck_;                          ///< friction by which everything sticks
   std::vector<Unknown> unknowns_;
-  std::vector<double> one_, slopes_, right_;
+  std::vector<double> columns_at_once_, slopes_, right_;
   std::vector<double> columns_;  ///< of G^-1, (count) each, of rows that are known
   std::vector<char> known_;
-  std::vector<Vec3> best_, slips_;  ///< slips: with the friction that was looked at last
-  std::vector<Vec3> stuck_;         ///< friction by which everything sticks
-  bool stuck_known_ = false;
+  bool all_free_ = false, stuck_known_ = false;
   std::vector<int> free_, sliding_;  ///< rows whose limits are above 0; of them those that slide
 };
 

@@ -14,8 +14,8 @@ constexpr int most_turns = 30;
 constexpr double balanced = 1e-13;
 /// Rows that lose their normal force to friction one after the other, at most: each round has lost one.
 constexpr int most_settlings = 1000;
-/// Of its limit, friction from which on a row slid, and by which it may go on.
-constexpr double slid = 1 - 1e-9, slides_on = 2;
+/// Of its limit, friction by which what slid may go on.
+constexpr double slides_on = 2;
 
 }  // namespace
 
