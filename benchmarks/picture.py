@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from rows_parts import GROUP
+from rows_parts import ALONE, GROUP
 
 from softffd.show.figure import INK, SOFT, new_figure
 
 
 def draw(document: Mapping[str, Any], path: Path) -> None:
     """A bar for each, as long as its ratio to the bare scene, of the widest instruction set."""
-    rows = [row for row in document["rows"] if row["group"] == GROUP]
+    rows = [row for row in document["rows"] if row["group"] == GROUP and row["against"] == ALONE]
     results = [next(iter(row["results"].values())) for row in rows][::-1]
     ratios = [result["ratio"]["median"] for result in results]
     words = [f"{ratio:.2f}  ({result['own']['median'] * 1e6:.1f} us)" for ratio, result in zip(ratios, results, strict=True)]

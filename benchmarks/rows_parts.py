@@ -15,7 +15,7 @@ from measured import Pair, row
 from softffd import Simulation
 from validation import shapes
 
-GROUP = "parts of a scene"
+GROUP, ALONE = "parts of a scene", "a step of springs alone"
 INTERVAL = 0.1
 """The communication step [s]: a thousand internal ones, whose number hides its own cost."""
 
@@ -38,7 +38,7 @@ def ground(height: float) -> dict[str, Any]:
 def part(name: str, *, goal: float | None = None, **sections: Any) -> None:
     """A row for a scene with these sections besides."""
 
-    @row(GROUP, name, "a step of springs alone", goal=goal)
+    @row(GROUP, name, ALONE, goal=goal)
     def with_part() -> Iterator[Pair]:
         with Simulation(box(**sections)) as own, Simulation(box()) as bare:
             yield Pair(lambda: lap(own), lambda: lap(bare), per=round(INTERVAL / STEP))
@@ -47,7 +47,7 @@ def part(name: str, *, goal: float | None = None, **sections: Any) -> None:
 def on_its_surface(name: str, body: shapes.Shape, *, goal: float | None = None, after: float = 0.0, **sections: Any) -> None:
     """The same where a plane meets the vertices of this body, from the beginning of its run, or from a time [s] on."""
 
-    @row(GROUP, name, "a step of springs alone", goal=goal)
+    @row(GROUP, name, ALONE, goal=goal)
     def with_surface() -> Iterator[Pair]:
         with tempfile.TemporaryDirectory() as folder:
             mesh = {"file": shapes.write(Path(folder) / "body.obj", body)}

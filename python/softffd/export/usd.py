@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from softffd.export.take import CLEAR, Rigid, Take
+from softffd.lattice import bounding_box
 from softffd.mesh.looks import to_light
 from softffd.rotation import quaternions
 
@@ -88,7 +89,7 @@ def _sample(shape: Any, points: np.ndarray, time: float | None) -> None:
 
     at = Usd.TimeCode.Default() if time is None else Usd.TimeCode(time)
     shape.CreatePointsAttr().Set(_vectors(points), at)
-    shape.CreateExtentAttr().Set(_vectors(np.stack([points.min(axis=0), points.max(axis=0)])), at)
+    shape.CreateExtentAttr().Set(_vectors(np.stack(bounding_box(points))), at)
 
 
 def _obstacle(take: Take, stage: Any, obstacle: Rigid) -> None:

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from softffd.lattice import bounding_box
 from softffd.mesh.looks import PLAIN, Looks, Material, Picture
 from softffd.mesh.normals import merge_by_position
 
@@ -60,7 +61,7 @@ class Mesh:
     @property
     def bounds(self) -> np.ndarray:
         """Lower and upper corner of the bounding box, (2, 3) m."""
-        return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+        return np.stack(bounding_box(self.vertices))
 
     @property
     def closed(self) -> bool:

@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 
+from softffd.lattice import bounding_box
 from softffd.mesh.normals import ShadingNormals, face_normals
 from softffd.show.raster import FIELD, Camera, Canvas, Tint, fragments
 from softffd.show.raster_plane import Patch, draw_plane, draw_solid
@@ -37,10 +38,11 @@ class Panels:
         self._corner_normals = ShadingNormals(stage.vertices, stage.faces).corners if smooth else self._flat_normals
         self._paint = stage.skin.painter(stage.faces)
         points = np.concatenate([stage.positions[frame].reshape(-1, 3) for frame in frames])
-        covered = np.stack([points.min(axis=0), points.max(axis=0)])
+        covered = np.stack(bounding_box(points))
         self._beside = {frame: [beside(covered, solid, frame) for solid in stage.solids] for frame in frames}
         points = np.concatenate([points, *(ends for each in self._beside.values() for ends in each)])
-        self._centre, self._half = (points.min(axis=0) + points.max(axis=0)) / 2, np.ptp(points, axis=0) / 2
+        low, high = bounding_box(points)
+        self._centre, self._half = (low + high) / 2, (high - low) / 2
         self._distance = float(max(self._needed(frame) for frame in frames))
 
     def image(self, frame: int) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 from softffd.embedding.deform import Embedding
 from softffd.embedding.nodes import node_positions
 from softffd.errors import SoftffdError
-from softffd.lattice import index_grid, rest_grid, to_flat
+from softffd.lattice import bounding_box, index_grid, rest_grid, to_flat
 from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import unit
 from softffd.names import vector_names
@@ -165,7 +165,7 @@ def stage_of(result: Result) -> Stage:
     solids = tuple(_solid_track(solid, tints[solid.name], result, covered) for solid in shapes)
     frames = np.unique(np.linspace(0, len(positions) - 1, GLANCES).astype(int))
     seen = np.concatenate([covered, *(beside(covered, solid, frame) for solid in solids for frame in frames)])
-    low, high = seen.min(axis=0), seen.max(axis=0)
+    low, high = bounding_box(seen)
     return Stage(
         title=result.title,
         time=np.asarray(result.time, dtype=float),
@@ -198,7 +198,7 @@ def beside(covered: np.ndarray, solid: SolidTrack, frame: int) -> np.ndarray:
     margin = solid.in_view * np.linalg.norm(covered[1] - covered[0])
     least, most = covered[0] - margin, covered[1] + margin
     places = solid.surface(frame)[0]
-    low, high = places.min(axis=0), places.max(axis=0)
+    low, high = bounding_box(places)
     near = (low <= most).all() and (high >= least).all()
     return np.stack([low.clip(least, most), high.clip(least, most)]) if near else covered
 

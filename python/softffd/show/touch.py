@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from softffd.lattice import to_flat
+from softffd.lattice import bounding_box, to_flat
 from softffd.names import Part, vector_names
 from softffd.run.findings import reactions
 from softffd.run.result import Result
@@ -67,7 +67,7 @@ class Touch:
 
     def _may_touch(self, frame: int, points: np.ndarray) -> bool:
         """Is anything between the control points (N, 3) [m] on an obstacle? Of solids only that is known which is far from all of them."""
-        low, high = points.min(axis=0), points.max(axis=0)
+        low, high = bounding_box(points)
         middle, reach = (low + high) / 2, np.linalg.norm(high - low) / 2 + self._limit
         return any((plane.gap(frame, points) <= self._limit).any() for plane in self.stage.planes) or any(
             solid.gap(frame, middle[None])[0] <= reach for solid in self.stage.solids

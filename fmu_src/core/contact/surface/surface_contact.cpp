@@ -73,7 +73,8 @@ void SurfaceContact::set_planes() {
 void SurfaceContact::begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h) {
   drift_.begin();
   close_.begin();
-  search_.forget();
+  if (call_ != around.call) search_.forget();
+  call_ = around.call;
   if (h != h_ || body.version != version_) {
     h_ = h;
     version_ = body.version;

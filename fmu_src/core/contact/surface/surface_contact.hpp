@@ -186,7 +186,7 @@ class SurfaceContact {
   Points room_;                        ///< of the surface's hull
   bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
   bool lands_ = false;                 ///< any sample does
-  Count version_ = -1;
+  Count version_ = -1, call_ = -1;
   double h_ = -1;
   Count impacts_ = 0;
   double found_ = 0;  ///< operations to find samples and tangents

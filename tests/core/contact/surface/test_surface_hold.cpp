@@ -47,6 +47,21 @@ TEST(a_crowded_face_comes_to_rest) {
   CHECK(surface.drift == surface.close);
 }
 
+TEST(near_samples_are_looked_for_once_in_a_communication_step_in_which_nothing_moves) {
+  constexpr int side = 21;
+  SoftBody body = standing(face(side));
+  CHECK(body.initialize(0) == StepStatus::ok);
+  go(body, 30, 0.1);
+  CHECK(body.advance(0.008) == StepStatus::ok);
+  const double together = body.work_done(), search = Operations::of_value * side * side / Operations::in_evaluation(64);
+  double apart = 0;
+  for (int i = 0; i < 10; ++i) {
+    CHECK(body.advance(0.0008) == StepStatus::ok);
+    apart += body.work_done();
+  }
+  CHECK_NEAR(apart - together, 9 * search, 0.5 * search);
+}
+
 /// A plate comes down on three feet's body, leaves, and comes again: what is at hand on one plane says nothing of the other.
 TEST(samples_that_come_to_another_plane_are_seen) {
   std::vector<Vec3> places{{0.2, 0.2, 0}, {0.8, 0.25, 0}, {0.5, 0.8, 0}, {0.5, 0.5, 1}, {0.4, 0.6, 0.97}};
