@@ -117,7 +117,7 @@ def all_processors(least: int) -> Iterator[None]:
 
 
 def implicit_of_size(side: int, **material: Any) -> None:
-    """Rows for a lattice: of springs assembly, factor and solutions, against the explicit step and SciPy's; of a solid solutions alone, since
+    """Rows for a lattice: of springs assembly, factor and solutions, against the explicit step and SciPy; of a solid solutions alone, since
     its steps go on with the matrix of the steps before."""
     h, count, of_solid = 1e-3, 40 if side == 4 else 3, " of a solid" * bool(material)
 
