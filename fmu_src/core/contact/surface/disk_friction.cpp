@@ -20,10 +20,9 @@ constexpr double sweep_work = 10;
 /// Newton's steps at a time; then so many sweeps, doubled each round.
 constexpr int most_newton = 12, fewest_sweeps = 4, most_sweeps = 128, most_newton_rounds = 12;
 
-template <class Vector>
-Vector into_disk(const Vector& p, double limit) {
+Eigen::Vector2d into_disk(const Eigen::Vector2d& p, double limit) {
   const double squared = p.squaredNorm();
-  return squared <= limit * limit ? p : Vector(p * (limit / std::sqrt(squared)));
+  return squared <= limit * limit ? p : Eigen::Vector2d(p * (limit / std::sqrt(squared)));
 }
 
 using TangentBasis = Eigen::Matrix<double, 3, 2>;
@@ -56,7 +55,7 @@ double DiskFriction::solve(const Disks& disks, std::vector<Vec3>& p) {
   free_.clear();
   for (int t = 0; t < count_; ++t) {
     free_slips_[t] = basis.transpose() * disks.slip[t];
-    p_[t] = into_disk(Pair(basis.transpose() * p[t]), disks.limit[t]);
+    p_[t] = into_disk(basis.transpose() * p[t], disks.limit[t]);
     if (disks.limit[t] > 0) free_.push_back(t);
   }
   const double missed = solve(disks);
