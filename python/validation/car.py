@@ -7,6 +7,7 @@ closed solids of revolution. Colours are places in a small palette image: one te
 import numpy as np
 from PIL import Image
 
+from softffd.lattice import bounding_box
 from softffd.mesh.mesh import Mesh
 from validation.car_body import AXLE_X, AXLE_Z, body, cells
 
@@ -46,7 +47,7 @@ def car_mesh() -> Mesh:
 
 def _fitted(vertices: np.ndarray) -> np.ndarray:
     """The vertices stretched, by two hundredths at most, to the stated bounding box."""
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    low, high = bounding_box(vertices)
     return (vertices - low) / (high - low) * [LENGTH, WIDTH, HEIGHT] - [LENGTH / 2, WIDTH / 2, 0.0]
 
 

@@ -83,7 +83,8 @@ void shift_phase(const Body& body, const State& begin, const RigidMotion& rigid,
 /// accident. Where it lands they are many times shorter: what comes within a step is taken to come at once, and which place comes
 /// first decides. None is shorter than the path's may be.
 Span out_of_phase(const StepContext& context, const Span& span, bool lands) {
-  const double times = lands ? std::clamp(span.h / shortest_in_contact(context), 1.0, use::impact_steps) : 1;
+  const double limit = step_limit(context, Method::leapfrog, false);
+  const double times = lands ? std::clamp(span.h / shortest_in_contact(context, limit), 1.0, use::impact_steps) : 1;
   const Count steps = Count(times * double(span.steps)) + 1;
   return {span.origin, 0, span.h * double(span.steps) / double(steps), steps};
 }

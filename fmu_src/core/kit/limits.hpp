@@ -13,8 +13,8 @@ double damping_bound(const StepContext& context);
 bool deformed_since_bound(const StepContext& context);
 /// Largest step of a method [s]: that a user may give, or that is chosen.
 double step_limit(const StepContext& context, Method method, bool given);
-/// Steps of leapfrog through contact are not cut below this [s].
-double shortest_in_contact(const StepContext& context);
+/// Steps of leapfrog through contact are not cut below this, where its largest is `limit` [s].
+double shortest_in_contact(const StepContext& context, double limit);
 /// Longest implicit step of a body that turns as (x, v) does [s]. A step takes points along straight lines; what that stretches the springs
 /// throws them back with (omega h) times the speed of turning, so that the energy of the rotation errs by about (omega h spin h)^2. Where
 /// pins turn, the forces on them do.

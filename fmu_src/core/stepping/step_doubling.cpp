@@ -139,7 +139,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
   const Body& body = context.model.body;
   const double share = body.samples ? use::surface_tolerance : body.dashpots() ? use::damped_tolerance : use::forecast_tolerance;
   const double allowed = share * context.request.tolerance * power(context.request.step_factor, 2);
-  const double least = shortest_in_contact(context);
+  const double least = shortest_in_contact(context, stretch.limit);
   const bool at_limit = stretch.at_limit();
   Snapshot snapshot(path, start_);
   const double begin = path.motion.time, left = stretch.end - begin;

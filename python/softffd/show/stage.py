@@ -229,7 +229,8 @@ def _box(result: Result) -> tuple[np.ndarray, np.ndarray]:
     if result.lattice is not None:
         return np.array(result.lattice.origin, float), np.array(result.lattice.size, float)
     points = result.positions[0].reshape(-1, 3)
-    return points.min(axis=0), np.ptp(points, axis=0)
+    low, high = bounding_box(points)
+    return low, high - low
 
 
 def _track(name: str, tint: Tint, up: np.ndarray, points: np.ndarray, normals: np.ndarray) -> PlaneTrack:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from softffd.embedding.basis import parameter
+from softffd.lattice import bounding_box
 from softffd.mesh.normals import split_at_creases
 from softffd.show.stage import Stage
 from softffd.show.tension import AtlasPlaces
@@ -52,7 +53,7 @@ def surface(stage: Stage, taxels: AtlasPlaces | None = None) -> dict[str, Any]:
 
 def _whole(values: np.ndarray) -> tuple[np.ndarray, list[list[float]]]:
     """Values (N, K) as whole numbers of 20 bits, and of each of the K what 0 means and what 1 more."""
-    low, high = values.min(axis=0), values.max(axis=0)
+    low, high = bounding_box(values)
     step = np.where(high > low, high - low, 1.0) / (2**PLACE_BITS - 1)
     return ((values - low) / step).round().astype(np.int64), np.stack([low, step], axis=1).tolist()
 

@@ -11,8 +11,6 @@ from validation import shapes
 
 OBJECT, FOOT, GRAVITY = 1.0, 2.0, 9.81
 FALL = (OBJECT + FOOT) * GRAVITY * 0.05
-
-
 STARTS = 5
 
 

@@ -58,12 +58,12 @@ double DiskFriction::solve(const Disks& disks, std::vector<Vec3>& p) {
     p_[t] = into_disk(basis.transpose() * p[t], disks.limit[t]);
     if (disks.limit[t] > 0) free_.push_back(t);
   }
-  const double missed = solve(disks);
+  const double missed = find_friction(disks);
   for (int t = 0; t < count_; ++t) p[t] = basis * p_[t];
   return missed;
 }
 
-double DiskFriction::solve(const Disks& disks) {
+double DiskFriction::find_friction(const Disks& disks) {
   double largest = 0;
   for (const Pair& slip : free_slips_) largest = std::max(largest, slip.norm());
   if (largest == 0) {
@@ -178,7 +178,7 @@ double DiskFriction::look(const Disks& disks) {
   return std::sqrt(worst);
 }
 
-/// Once over the disks, from where slips are known.
+/// Once over the disks, from where slips are known. They go along; a look sums them anew, so that no rounding adds up.
 void DiskFriction::sweep(const Disks& disks) {
   disks.rows.operations().spend(sweep_work * double(free_.size()) * double(free_.size()));
   for (const int t : free_) {

@@ -30,7 +30,7 @@ class DiskFriction {
  private:
   using Pair = Eigen::Vector2d;
 
-  double solve(const Disks& disks);
+  double find_friction(const Disks& disks);
   bool stick(const Disks& disks);
   void find_stuck(const Disks& disks);
   double look(const Disks& disks);
