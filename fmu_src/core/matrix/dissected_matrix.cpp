@@ -12,7 +12,7 @@ namespace {
 constexpr std::align_val_t cache_line{64};
 constexpr int width = kernels::block;
 
-int padded(int unknowns) { return (unknowns + width - 1) / width * width; }
+int padded(int unknowns, int to = width) { return (unknowns + to - 1) / to * to; }
 
 }  // namespace
 
@@ -64,10 +64,8 @@ void DissectedMatrix::clear() {
 
 Mat3 DissectedMatrix::block(int p, int q) const {
   Mat3 block;
-  visit(p, q, [&](int a, int b, double entry) {
-    block(a, b) = entry;
-    if (p == q) block(b, a) = entry;
-  });
+  visit(p, q, [&](int a, int b, double entry) { block(a, b) = entry; });
+  if (p == q) block.triangularView<Eigen::StrictlyUpper>() = block.transpose();
   return block;
 }
 
@@ -81,11 +79,11 @@ void DissectedMatrix::factor() {
       kernels::subtract_products(blocks, j, block.stride, columns + j, block.stride, panel);
       kernels::factor_panel(blocks, block.stride, panel, inverse_diagonal_.data() + block.first + j);
     }
-    const int rest = block.rows - block.own;
+    const int rest = block.rows - block.own, columns_used = padded(3 * order_.fronts()[f].own, 4);
     const bool leaf = f == 0 || order_.fronts()[f - 1].parent != int(f);
     if (leaf) std::fill_n(left, std::size_t(rest) * rest, 0.0);
     for (int j = 0; j < rest; j += width)
-      kernels::subtract_products((rest - j) / width, block.own, block.stride, columns + block.own + j, rest,
+      kernels::subtract_products((rest - j) / width, columns_used, block.stride, columns + block.own + j, rest,
                                  left + j * std::size_t(rest) + j);
     if (rest > 0) add_to_parent(order_.fronts()[f], block);
   }

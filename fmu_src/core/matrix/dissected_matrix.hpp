@@ -72,14 +72,20 @@ class DissectedMatrix {
     const int row = order_.front(of_rows) == f ? order_.row(of_rows) : order_.row(front, of_rows);
     return values_.get() + block.columns + 3 * order_.row(of_columns) * block.stride + unknown(front, block, row);
   }
-  /// Every entry of a block once.
+  /// All nine entries of a block; of one point both halves, of which the lower one has a meaning.
   template <class Visit>
   void visit(int p, int q, Visit visit) const {
-    const bool leaves_first = first_[p] < first_[q];
-    double* column = leaves_first ? entries(p, q) : entries(q, p);
-    const std::size_t stride = blocks_[order_.front(leaves_first ? p : q)].stride;
+    if (first_[p] < first_[q]) {
+      each(entries(p, q), stride(p), visit);
+    } else {
+      each(entries(q, p), stride(q), [&](int a, int b, double& entry) { visit(b, a, entry); });
+    }
+  }
+  std::size_t stride(int p) const { return blocks_[order_.front(p)].stride; }
+  template <class Visit>
+  static void each(double* column, std::size_t stride, Visit visit) {
     for (int a = 0; a < 3; ++a, column += stride)
-      for (int b = p == q ? a : 0; b < 3; ++b) leaves_first ? visit(a, b, column[b]) : visit(b, a, column[b]);
+      for (int b = 0; b < 3; ++b) visit(a, b, column[b]);
   }
   void add_to_parent(const Dissection::Front& front, const Block& block);
   template <int sides, class Lower, class Upper>
