@@ -32,6 +32,9 @@ constexpr double part_damping = 0.8;
 /// shorter steps.
 constexpr double least_of_surface = 0.8, most_of_surface = 1.0 / 32;
 
+/// Of many differences, the largest in their root mean square [1].
+constexpr double farthest = 3.5;
+
 }  // namespace thresholds
 
 namespace {
@@ -42,6 +45,11 @@ double with_dashpots(const StepContext& context, double longest) {
   bound(context);
   const double carried = longest_carried(context.drive, context.run);
   return 0 < carried && carried < longest && work(carried) < work(longest) ? carried : longest;
+}
+
+/// Stretches of this length [s] whose errors there are at the end of the run, where damping forgets them in `lasts` [s].
+double stretches_in(const StepContext& context, double lasts, double stretch) {
+  return std::max(1.0, std::min(context.request.horizon, lasts) / stretch);
 }
 
 double spin(const Model& model, const Points& x, const Points& v) { return rigid_motion(model.body.mass, x, v).spin.norm(); }
@@ -105,12 +113,9 @@ double turning_limit(const StepContext& context, const Points& x, const Points& 
                  tighter(std::sqrt(thresholds::straight_turn / (bound(context) * fastest)), thresholds::straight_angle / fastest));
 }
 
-double growing(const StepContext& context, const State& a, const State& b, double stretch, bool random) {
+double growing(const StepContext& context, const State& a, const State& b, double stretch) {
   const Scalars &time_scale = context.model.time_scale, &memory = context.model.memory;
-  const auto times = [&](double lasts) {
-    const double stretches = std::max(1.0, std::min(context.request.horizon, lasts) / stretch);
-    return random ? std::sqrt(stretches) : stretches;
-  };
+  const auto times = [&](double lasts) { return stretches_in(context, lasts, stretch); };
   double error = free_bodies_apart(context, a, b, true) * times(infinity);
   for (int i = 0; i < memory.size(); ++i) {
     const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]) * time_scale[i];
@@ -118,6 +123,25 @@ double growing(const StepContext& context, const State& a, const State& b, doubl
     error = std::max(error, std::max(dx, dv) * times(memory[i]));
   }
   return error;
+}
+
+double scattered(const StepContext& context, const State& a, const State& b, double stretch) {
+  const Model& model = context.model;
+  const int n = model.body.points();
+  double most = 0, squares = 0;
+  int moving = 0;
+  for (int i = 0; i < 3 * n; ++i) {
+    if (model.body.pinned[i % n]) continue;
+    const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]);
+    if (!(dx < infinity && dv < infinity)) return infinity;
+    const double lasting = std::max(dx, std::min(dv, thresholds::way_of_velocity * dx / stretch) * model.time_scale[i]);
+    most = std::max(most, lasting);
+    squares += lasting * lasting;
+    ++moving;
+  }
+  const double spread = std::min(thresholds::farthest * std::sqrt(squares / std::max(moving, 1)), most);
+  const double error = std::max(most, spread * std::sqrt(stretches_in(context, model.longest_memory, stretch)));
+  return worse(error, free_bodies_apart(context, a, b, true) * std::sqrt(stretches_in(context, infinity, stretch)));
 }
 
 }  // namespace softffd

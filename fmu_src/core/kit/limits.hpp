@@ -20,7 +20,11 @@ double shortest_in_contact(const StepContext& context, double limit);
 /// pins turn, the forces on them do.
 double turning_limit(const StepContext& context, const Points& x, const Points& v);
 /// What states a and b, after the same stretch of time [s] from one state, will differ by at the end of the run, if the difference keeps
-/// growing until damping forgets it [m]; infinite where one is not finite. random: differences of stretches do not point the same way.
-double growing(const StepContext& context, const State& a, const State& b, double stretch, bool random = false);
+/// growing until damping forgets it [m]; infinite where one is not finite.
+double growing(const StepContext& context, const State& a, const State& b, double stretch);
+/// The same where differences of stretches do not point the same way, as after impacts of vertices: their squares add up, and each has by
+/// then spread over the body. A velocity counts only as far as it has moved its point: where a vertex has landed in one of the runs, it
+/// will in the other within a step.
+double scattered(const StepContext& context, const State& a, const State& b, double stretch);
 
 }  // namespace softffd

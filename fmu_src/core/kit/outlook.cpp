@@ -277,15 +277,36 @@ double free_bodies_apart(const StepContext& context, const State& a, const State
 
 namespace {
 
+/// What brings a body from one place to another, as velocity and spin of a motion of one second.
+RigidMotion way_between(const Scalars& mass, const Points& from, const Points& to) {
+  RigidMotion way = rigid_motion(mass, from, to);
+  const RigidMotion rest = rigid_motion(mass, from, from);
+  way.velocity -= rest.velocity;
+  way.spin -= rest.spin;
+  return way;
+}
+
+/// Share of a velocity that has moved the body.
+double moved(const Vec3& velocity, const Vec3& way, double stretch) {
+  const double speed = velocity.norm(), lasting = use::way_of_velocity * way.norm() / stretch;
+  return lasting < speed ? lasting / speed : 1;
+}
+
 /// How two states move apart as rigid bodies, and what of that is along the obstacle when it has taken what is across [m/s].
 struct Parting {
   double radius;  ///< of the outermost point [m]
   Vec3 velocity, spin, along, lasting;
-  Parting(const Body& body, const State& a, const State& b, const Outlook& ahead) {
+  /// stretch: that has led to both, where a velocity is to count only as far as it has moved the body; else 0 [s].
+  Parting(const Body& body, const State& a, const State& b, const Outlook& ahead, double stretch = 0) {
     const RigidMotion of_a = rigid_motion(body.mass, a.x, a.v), of_b = rigid_motion(body.mass, b.x, b.v);
     radius = radius_about(of_b.centre, b.x);
     velocity = of_a.velocity - of_b.velocity;
     spin = of_a.spin - of_b.spin;
+    if (stretch > 0) {
+      const RigidMotion way = way_between(body.mass, b.x, a.x);
+      velocity *= moved(velocity, way.velocity, stretch);
+      spin *= moved(spin, way.spin, stretch);
+    }
     along = tangential(ahead.normal, velocity);
     lasting = along - velocity.dot(ahead.normal) * ahead.rub;
   }
@@ -297,14 +318,13 @@ double lasting_part(const StepContext& context, const State& a, const State& b, 
   if (!context.drive.free.empty() || ahead.growth > 1 || !(ahead.along_normal < ahead.left) || !(size < infinity)) return size;
   const Parting apart(context.model.body, a, b, ahead);
   const Scalars& mass = context.model.body.mass;
-  const RigidMotion to = rigid_motion(mass, b.x, a.x), from = rigid_motion(mass, b.x, b.x);  // their difference is the way
-  const double place =
-      tangential(ahead.normal, Vec3(to.velocity - from.velocity)).norm() + apart.radius * std::abs((to.spin - from.spin).dot(ahead.normal));
+  const RigidMotion way = way_between(mass, b.x, a.x);
+  const double place = tangential(ahead.normal, way.velocity).norm() + apart.radius * std::abs(way.spin.dot(ahead.normal));
   const double grown = ahead.along_plane * (apart.lasting.norm() + apart.radius * std::abs(apart.spin.dot(ahead.normal)));
   return std::min(size, place + grown);
 }
 
-LeftOver left_over(const StepContext& context, const State& a, const State& b, const Outlook& ahead) {
+LeftOver left_over(const StepContext& context, const State& a, const State& b, const Outlook& ahead, double stretch) {
   const Body& body = context.model.body;
   double error = free_bodies_apart(context, a, b, false);
   for (int i = 0; i < a.x.size(); ++i)
@@ -314,7 +334,7 @@ LeftOver left_over(const StepContext& context, const State& a, const State& b, c
     if (std::isnan(error)) error = infinity;
     return {.size = error, .lag = error};
   }
-  const auto [radius, velocity, spin, along, lasting] = Parting(body, a, b, ahead);
+  const auto [radius, velocity, spin, along, lasting] = Parting(body, a, b, ahead, stretch);
   const Vec3 across = velocity - along, over = tangential(ahead.normal, spin);
   const double grown = ahead.along_plane * (lasting.norm() + radius * std::abs(spin.dot(ahead.normal))) +
                        ahead.along_normal * (across.norm() + (along - lasting).norm() + radius * over.norm());

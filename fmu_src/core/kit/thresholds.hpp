@@ -94,6 +94,9 @@ inline constexpr double rounding = 1e-15;
 
 /// Steps of the coarser run in a stretch.
 inline constexpr Count stretch_steps = 24;
+/// Velocity that arises in a stretch, in its way over the stretch: of one that arises anywhere in it the mean square of the way is a
+/// third [1].
+inline constexpr double way_of_velocity = 4;
 /// A stretch is run again if its error is this many times what it may be [1]; a single one may exceed its part.
 inline constexpr double too_much = 4;
 /// Where contact makes the difference jump, steps are not cut below this fraction of the stable one [1]; of a surface see kit/limits.cpp.

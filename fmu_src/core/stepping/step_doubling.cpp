@@ -20,6 +20,8 @@ namespace thresholds {
 /// Factor of the tolerance that the summed errors may take by forecast, of contact of a surface, whose stretches err alike: rolling does
 /// [1].
 constexpr double surface_tolerance = 0.6;
+/// The same where its vertices strike, whose errors point now this way, now that way.
+constexpr double rattling_tolerance = 1;
 /// The same of contact of a body with internal damping, whose errors add to those of implicit steps.
 constexpr double damped_tolerance = 0.5;
 /// Of the allowed error, up to which one shorter step is enough to tell that none makes it smaller [1].
@@ -44,6 +46,13 @@ namespace {
 
 namespace use = thresholds;
 
+/// Factor of the tolerance that the summed errors of stretches may take by forecast. rattles: of one in which vertices strike after a
+/// landing.
+double forecast_share(const Body& body, bool rattles) {
+  if (rattles) return use::rattling_tolerance;
+  return body.samples ? use::surface_tolerance : body.dashpots() ? use::damped_tolerance : use::forecast_tolerance;
+}
+
 /// Whether the next stretches may be run once, after one that was run twice at the largest stable step with this error.
 void learn_trust(ContactSteps& contact, bool impact, bool good, double allowed, double error) {
   Count &trust = impact ? contact.impact : contact.free, &next = impact ? contact.impact_next : contact.free_next;
@@ -53,12 +62,6 @@ void learn_trust(ContactSteps& contact, bool impact, bool good, double allowed, 
 
 /// Of the step.
 double factor_after(double allowed, double error) { return error > 0 ? use::safety * std::sqrt(allowed / error) : use::doubled_growth; }
-
-/// What the two runs of a stretch with impacts of a surface will differ by at the end of the run [m]. Those that follow a landing err now
-/// this way, now that way.
-double after_impacts(const StepContext& context, const State& coarse, const State& fine, double stretch, bool lands) {
-  return worse(growing(context, coarse, fine, stretch, !lands), left_over(context, coarse, fine, outlook(context, fine)).size);
-}
 
 /// Whether shorter steps have made the error of a stretch smaller by less than half an order would: two runs then differ by what no step
 /// resolves, as by which of several places strikes first, or by how rows that depend on each other share friction. soon: one shorter step
@@ -137,8 +140,6 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
   Course& course = context.run.course;
   ContactSteps& contact = course.contact;
   const Body& body = context.model.body;
-  const double share = body.samples ? use::surface_tolerance : body.dashpots() ? use::damped_tolerance : use::forecast_tolerance;
-  const double allowed = share * context.request.tolerance * power(context.request.step_factor, 2);
   const double least = shortest_in_contact(context, stretch.limit);
   const bool at_limit = stretch.at_limit();
   Snapshot snapshot(path, start_);
@@ -181,11 +182,15 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     if (fine.status != StepStatus::ok) return fine.status;
     const bool impact = coarse.impacts + fine.impacts > 0;
     const bool strikes = impact && body.samples;
-    const bool lands =
-        strikes && !course.neighbour.follows && off_obstacles(body, context.drive, begin, start_.motion.x, touching * body.length);
+    const bool rattles =
+        strikes && (course.neighbour.follows || !off_obstacles(body, context.drive, begin, start_.motion.x, touching * body.length));
+    const double allowed = forecast_share(body, rattles) * context.request.tolerance * power(context.request.step_factor, 2);
     const double stretch_time = double(steps) * part, of_difference = strikes ? 1 : 1.0 / 3;  // the finer run's error
-    const double error = of_difference * (strikes ? after_impacts(context, coarse_, path.motion, stretch_time, lands)
-                                                  : growing(context, coarse_, path.motion, stretch_time));
+    const LeftOver leaves =
+        left_over(context, coarse_, path.motion, outlook(context, path.motion), rattles ? stretch_time : 0).times(of_difference);
+    const double by_end =
+        rattles ? scattered(context, coarse_, path.motion, stretch_time) : growing(context, coarse_, path.motion, stretch_time);
+    const double error = strikes ? worse(by_end, leaves.size) : of_difference * by_end;
     const TriedStretch tried{part, error, impact};
     const bool vain =
         body.samples && error > allowed && (part <= least || in_vain(contact.tried, tried, allowed, tries, !impact && !body.dashpots()));
@@ -194,7 +199,6 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const bool last = vain || part <= least || tries == use::most_reruns;
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * wanted || last) {
-      const LeftOver leaves = left_over(context, coarse_, path.motion, outlook(context, path.motion)).times(of_difference);
       contact.left_over.learn(leaves.times(4));
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;

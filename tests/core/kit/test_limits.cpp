@@ -1,4 +1,4 @@
-/// Limits and forecasts of a state that is not a number: none of them may pass for a good one.
+/// Limits and forecasts: of a state that is not a number none may pass for a good one.
 #include "kit/limits.hpp"
 
 #include <limits>
@@ -18,7 +18,23 @@ TEST(what_differs_by_something_that_is_no_number_differs_by_more_than_anything) 
       (spoilt.*part)(i) = no_number;
       CHECK(growing(b.context(), b.run.path.motion, spoilt, 1) == INFINITY);
       CHECK(growing(b.context(), spoilt, b.run.path.motion, 1) == INFINITY);
+      CHECK(scattered(b.context(), b.run.path.motion, spoilt, 1) == INFINITY);
     }
+}
+
+TEST(what_scatters_counts_where_it_has_moved_something_and_spreads_over_the_body) {
+  Bench b;
+  b.request.horizon = 1;
+  const State &path = b.run.path.motion, still = path;
+  const double stretch = 1e-4, places = std::sqrt(b.model.body.points() * 3.0);
+  State struck = path;
+  struck.v(13, 1) += 1;
+  CHECK(scattered(b.context(), path, struck, stretch) == 0);  // it came down within the last step
+  struck = still;
+  struck.x(13, 1) += 1e-3;
+  const double once = 1e-3, all = scattered(b.context(), path, struck, stretch);
+  CHECK_NEAR(all, once * std::sqrt(1 / stretch) * 3.5 / places, 1e-12);
+  CHECK_NEAR(scattered(b.context(), path, struck, 1), once, 1e-15);  // one stretch: it is where it has arisen
 }
 
 TEST(a_body_that_is_nowhere_has_deformed_since_its_bound_and_no_step_is_short_enough_for_its_spin) {
