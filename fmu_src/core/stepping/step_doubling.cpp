@@ -47,7 +47,7 @@ namespace {
 namespace use = thresholds;
 
 /// Factor of the tolerance that the summed errors of stretches may take by forecast. rattles: of one in which vertices strike after a
-/// landing.
+/// landing, or come and go as those of a damped body do.
 double forecast_share(const Body& body, bool rattles) {
   if (rattles) return use::rattling_tolerance;
   return body.samples ? use::surface_tolerance : body.dashpots() ? use::damped_tolerance : use::forecast_tolerance;
@@ -76,13 +76,14 @@ double step_after(const TriedStretch& done, double wanted, double least) {
   return std::max(done.h * std::clamp(factor_after(wanted, done.error), use::next_shrink, use::next_growth), least);
 }
 
-/// Chooses it for a surface, of which more vertices may touch than there are control points. An impact does not make it shorter.
-void choose_step(ContactSteps& contact, const TriedStretch& done, double wanted, bool vain, double least) {
+/// Chooses it for a surface, of which more vertices may touch than there are control points. An impact does not make it shorter; what
+/// rattles may make it longer.
+void choose_step(ContactSteps& contact, const TriedStretch& done, bool rattles, double wanted, bool vain, double least) {
   TriedStretch& tried = contact.tried;
   ErrorFloor& floor = contact.floor;
   const TriedStretch before = std::exchange(tried, {});
   if (done.impact) {
-    contact.h = std::max(done.h, before.impact ? before.h : 0);
+    contact.h = std::max({done.h, before.impact ? before.h : 0, rattles ? step_after(done, wanted, least) : 0});
     return;
   }
   if (vain) {
@@ -181,16 +182,16 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const Outcome fine = run(0.5 * part, 2 * steps);
     if (fine.status != StepStatus::ok) return fine.status;
     const bool impact = coarse.impacts + fine.impacts > 0;
-    const bool strikes = impact && body.samples;
-    const bool rattles =
-        strikes && (course.neighbour.follows || !off_obstacles(body, context.drive, begin, start_.motion.x, touching * body.length));
+    const bool strikes = impact && body.samples, follows = course.neighbour.follows;
+    const bool lands = strikes && !follows && off_obstacles(body, context.drive, begin, start_.motion.x, touching * body.length);
+    const bool rattles = (strikes && !lands) || (body.samples && follows && body.dashpots());
     const double allowed = forecast_share(body, rattles) * context.request.tolerance * power(context.request.step_factor, 2);
-    const double stretch_time = double(steps) * part, of_difference = strikes ? 1 : 1.0 / 3;  // the finer run's error
+    const double stretch_time = double(steps) * part, of_difference = strikes || rattles ? 1 : 1.0 / 3;  // the finer run's error
     const LeftOver leaves =
         left_over(context, coarse_, path.motion, outlook(context, path.motion), rattles ? stretch_time : 0).times(of_difference);
     const double by_end =
         rattles ? scattered(context, coarse_, path.motion, stretch_time) : growing(context, coarse_, path.motion, stretch_time);
-    const double error = strikes ? worse(by_end, leaves.size) : of_difference * by_end;
+    const double error = strikes || rattles ? worse(by_end, leaves.size) : of_difference * by_end;
     const TriedStretch tried{part, error, impact};
     const bool vain =
         body.samples && error > allowed && (part <= least || in_vain(contact.tried, tried, allowed, tries, !impact && !body.dashpots()));
@@ -206,7 +207,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
       const bool good = at_limit && tries == 0 && 4 * worst <= trusted * allowed;  // 4: of the coarser run
       learn_trust(contact, impact, good, allowed, worst);
       if (body.samples)
-        choose_step(contact, {part, worst, impact}, wanted, vain, least);
+        choose_step(contact, {part, worst, impact}, rattles, wanted, vain, least);
       else
         contact.h = step_after({part, worst}, allowed, least);
       path.clock = {begin, 0.5 * part, 0};
