@@ -18,8 +18,8 @@ FEW_STEPS = [  # stiffness [N/m], internal damping [s], steps at most
     ("drops 1 cm, points", 1e7, 1e-4, 2000),
     ("rests, surface", 1e3, 0.0, 3000),  # 94,494 and 14,557 if steps get shorter wherever two runs differ
     ("drops 2 mm on a box, surface", 1e3, 0.0, 3000),
-    ("drops 1 cm, surface", 1e7, 1e-4, 6000),
-    ("drops 2 mm on a box, surface", 1e7, 1e-4, 2000),
+    ("drops 1 cm, surface", 1e7, 1e-4, 1500),
+    ("drops 2 mm on a box, surface", 1e7, 1e-4, 1800),
 ]
 
 
@@ -43,9 +43,10 @@ def test_cells_take_few_steps(cost_map, name, stiffness, tau, most):
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("stiffness", "most"), [(1e3, 4000), (1e5, 7000)])
+@pytest.mark.parametrize(("stiffness", "most"), [(1e3, 2000), (1e5, 3500)])
 def test_a_drop_whose_steps_go_by_roundings_takes_few_in_the_median(cost_map, stiffness, most):
-    """1,400 to 4,300 and 3,800 to 7,000 by the angle; three times as many where steps may be a thousandth of the stable one."""
+    """700 to 3,700 and 1,900 to 3,000 by the angle; two and a half times as many where differences in velocity count that have moved
+    nothing."""
     kind, steps = cost_map.KINDS["drops 2 mm on a box, surface"], []
     for degrees in (scale * times for scale in (1e-2, 1e-5, 1e-8, 1e-11) for times in (1, 2, 4)):
         initial = {**kind.sections["initial"], "rotation": {"axis": [1.0, 0.37, 0.0], "degrees": degrees}}

@@ -141,7 +141,7 @@ double scattered(const StepContext& context, const State& a, const State& b, dou
   }
   const double spread = std::min(thresholds::farthest * std::sqrt(squares / std::max(moving, 1)), most);
   const double error = std::max(most, spread * std::sqrt(stretches_in(context, model.longest_memory, stretch)));
-  return worse(error, free_bodies_apart(context, a, b, true) * std::sqrt(stretches_in(context, infinity, stretch)));
+  return worse(error, free_bodies_apart(context, a, b, true) * stretches_in(context, infinity, stretch));
 }
 
 }  // namespace softffd

@@ -23,8 +23,8 @@ double turning_limit(const StepContext& context, const Points& x, const Points& 
 /// growing until damping forgets it [m]; infinite where one is not finite.
 double growing(const StepContext& context, const State& a, const State& b, double stretch);
 /// The same where differences of stretches do not point the same way, as after impacts of vertices: their squares add up, and each has by
-/// then spread over the body. A velocity counts only as far as it has moved its point: where a vertex has landed in one of the runs, it
-/// will in the other within a step.
+/// then spread over the body; those of free bodies add up. A velocity counts only as far as it has moved its point: where a vertex has
+/// landed in one of the runs, it will in the other within a step.
 double scattered(const StepContext& context, const State& a, const State& b, double stretch);
 
 }  // namespace softffd

@@ -58,6 +58,17 @@ Eigen::Matrix3d StepDelassus::block(const SurfaceRow& a, const SurfaceRow& b) {
   return sum;
 }
 
+/// Along the normals, of blocks where they are kept.
+double StepDelassus::element(const SurfaceRow& a, const SurfaceRow& b) {
+  const Vec3 &along_a = normals_[a.plane], &along_b = normals_[b.plane];
+  if (free_) return along_a.dot(block(a, b) * along_b);
+  response(a.sample);
+  response(b.sample);
+  const int i = index_[a.sample], j = index_[b.sample];
+  if (i < j) return along_a.dot(responses_[j]->compliance[i] * along_b);
+  return along_a.dot(responses_[i]->compliance[j].transpose() * along_b);
+}
+
 double StepDelassus::give(const SurfaceRow& row) {
   const Handles handles = free_->handles(row);
   return FreeRows::give(free_->between(handles, handles));

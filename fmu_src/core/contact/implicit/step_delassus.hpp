@@ -72,7 +72,7 @@ class StepDelassus {
   void add_compliance(Response& made);
   void forget_responses();
   Eigen::Matrix3d compliance(int i, int j) const;
-  double element(const SurfaceRow& a, const SurfaceRow& b) { return normals_[a.plane].dot(block(a, b) * normals_[b.plane]); }
+  double element(const SurfaceRow& a, const SurfaceRow& b);
   void factor(int from);
 
   const Samples* samples_;
