@@ -94,8 +94,8 @@ inline constexpr double rounding = 1e-15;
 
 /// Steps of the coarser run in a stretch.
 inline constexpr Count stretch_steps = 24;
-/// Velocity that arises in a stretch, in its way over the stretch: of one that arises anywhere in it the mean square of the way is a
-/// third [1].
+/// Velocity that a difference may have at the end of a stretch, in its way over the stretch: one that has arisen in the first three
+/// quarters counts in full [1].
 inline constexpr double way_of_velocity = 4;
 /// A stretch is run again if its error is this many times what it may be [1]; a single one may exceed its part.
 inline constexpr double too_much = 4;

@@ -65,8 +65,7 @@ void DissectedMatrix::clear() {
 Mat3 DissectedMatrix::block(int p, int q) const {
   Mat3 block;
   visit(p, q, [&](int a, int b, double entry) { block(a, b) = entry; });
-  if (p == q) block.triangularView<Eigen::StrictlyUpper>() = block.transpose();
-  return block;
+  return p == q ? Mat3(block.selfadjointView<Eigen::Lower>()) : block;
 }
 
 void DissectedMatrix::factor() {
