@@ -25,12 +25,12 @@ TEST(what_differs_by_something_that_is_no_number_differs_by_more_than_anything) 
 TEST(what_scatters_counts_where_it_has_moved_something_and_spreads_over_the_body) {
   Bench b;
   b.request.horizon = 1;
-  const State &path = b.run.path.motion, still = path;
+  const State& path = b.run.path.motion;
   const double stretch = 1e-4, places = std::sqrt(b.model.body.points() * 3.0);
   State struck = path;
   struck.v(13, 1) += 1;
   CHECK(scattered(b.context(), path, struck, stretch) == 0);  // it came down within the last step
-  struck = still;
+  struck = path;
   struck.x(13, 1) += 1e-3;
   const double once = 1e-3, all = scattered(b.context(), path, struck, stretch);
   CHECK_NEAR(all, once * std::sqrt(1 / stretch) * 3.5 / places, 1e-12);
