@@ -344,6 +344,13 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
   return close_.solve(slack_, std::ref(slip_of));
 }
 
+/// Are the drift's rows on one plane, on which they were before, and does one of them stick?
+bool SurfaceContact::sticks() const {
+  const std::vector<SurfaceRow>& rows = drift_.rows;
+  return !rows.empty() && !lands_ && rows.front().plane == rows.back().plane &&
+         std::ranges::any_of(drift_.share, [](const Vec3& share) { return share.norm() < slid; });
+}
+
 StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, std::vector<FreeState>& free, Exchange& exchange) {
   if (touching_.empty()) return StepStatus::ok;
   share_work(close_);
@@ -354,6 +361,11 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   if (close_.free() ? hold_free_close(step, v) : hold_close(step, v, touching_)) {
     if (!close_.free() && !places_known_) at_hand_.at(step.x0, places_);
   } else {
+    if (sticks()) {  // others would carry the body as well, and friction on them not hold what these hold
+      close_.rows = drift_.rows;
+      close_.share = drift_.share;
+      save(close_, rows.close, rows.close_friction);
+    }
     if (known_ < 0 || !find_stop_of_known(step, v, rows)) {
       if (known_ >= 0) list_touching();
       if (const StepStatus status = find_stop(touching_, step, v, rows); status != StepStatus::ok) return status;

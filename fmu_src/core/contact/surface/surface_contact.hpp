@@ -107,6 +107,7 @@ class SurfaceContact {
   void search(int q, const Scalars& gaps, double way);
   double slack_of_rows() const;
   StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
+  bool sticks() const;
   StepStatus stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows);
   StepStatus find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v, const SurfaceRows& rows);
   void share_work(SurfaceStage& stage);

@@ -39,18 +39,30 @@ StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const 
   set_.delassus().set_rows(rows);
   p_.assign(rows.size(), Vec3::Zero());
   const bool rubs = std::ranges::any_of(friction_, [](double each) { return each > 0; });
-  const bool free = set_.delassus().free(), at_once = rubs && (free || !parallel());
+  const bool free = set_.delassus().free();
   before_ = rows;
-  const StepStatus status = !at_once ? settle(tolerance)
-                            : free   ? balance<Eigen::Matrix3d>(tolerance, slip)
-                                     : balance<double>(tolerance, slip);
-  if (status != StepStatus::ok) return status;
-  if (rubs && !at_once) rub(slip);
+  bool at_once = rubs && (free || !parallel());
+  if (!at_once) {
+    if (const StepStatus status = settle(tolerance); status != StepStatus::ok) return status;
+    const bool one_direction = parallel();
+    if (rubs && one_direction) rub(slip);
+    find_forces();
+    find_move();
+    at_once = rubs && !(one_direction && rubs_apart(tolerance));
+  }
+  if (at_once) {
+    added_ = false;
+    rows = before_;
+    set_.delassus().set_rows(rows);
+    p_.assign(rows.size(), Vec3::Zero());
+    const StepStatus status = free ? balance<Eigen::Matrix3d>(tolerance, slip) : balance<double>(tolerance, slip);
+    if (status != StepStatus::ok) return status;
+    find_forces();
+    find_move();
+  }
   share.assign(rows.size(), Vec3::Zero());
   for (std::size_t t = 0; t < rows.size(); ++t)
     if (limit(t) > 0) share[t] = p_[t] / limit(t);
-  find_forces();
-  find_move();
   return StepStatus::ok;
 }
 
@@ -102,10 +114,28 @@ bool SurfaceStage::hold_free(const std::vector<Vec3>& away) {
   return true;
 }
 
-/// Can friction bring no sample nearer to a plane?
+bool SurfaceStage::aligned(int p, int q) const { return std::abs(set_.delassus().cosine(p, q)) == 1; }
+
+/// Are all rows at hand on parallel planes? Then friction brings none of them nearer to its own.
 bool SurfaceStage::parallel() const {
-  return std::ranges::all_of(
-      candidates, [&](const Candidate& each) { return std::abs(set_.delassus().cosine(candidates[0].row.plane, each.row.plane)) == 1; });
+  return std::ranges::all_of(rows, [&](const SurfaceRow& row) { return aligned(rows[0].plane, row.plane); });
+}
+
+/// Does friction bring no sample behind a plane of another direction? Gaps of these are as they were before.
+bool SurfaceStage::rubs_apart(double tolerance) {
+  if (rows.empty()) return true;
+  const Samples& samples = set_.delassus().samples();
+  for (int q = 0; q < int(gaps.size()); ++q) {
+    if (aligned(rows[0].plane, q)) continue;
+    gaps[q] = begin_[q];
+    gaps[q].add_motion(samples, range(), move_, normals_[q]);
+  }
+  for (Candidate& each : candidates) {
+    if (aligned(rows[0].plane, each.row.plane)) continue;
+    each.gap = gaps[each.row.plane].at(samples, each.row.sample) - each.bound;
+    if (!(each.gap >= -tolerance)) return false;
+  }
+  return true;
 }
 
 /// Friction at the normal forces at hand, looked for first where it was.

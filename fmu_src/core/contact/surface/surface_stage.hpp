@@ -3,12 +3,13 @@
 /// y0 is where the body would be without them, y where it is with the forces f_s = l_s n_q + p_s of the active rows,
 /// y = y0 + sum_s W_s f_s / m.
 ///
-/// On one plane, and on parallel ones, friction moves no sample nearer to a plane: the normal forces come first (dual_active_set.hpp), then
-/// the friction (disk_friction.hpp): measured, 0.65 of the time that all forces together take where most rows slide.
+/// While the active rows are on one plane, or on parallel ones, friction moves none of them nearer to its plane: the normal forces come
+/// first (dual_active_set.hpp), then the friction (disk_friction.hpp): measured, 0.65 of the time that all forces together take where most
+/// rows slide. Where that brings a sample behind a plane of another direction, all begins anew:
 ///
-/// Planes of different directions need both at once: all forces of the rows that were active come first (coulomb_rows.hpp), from what
-/// stuck and what slid; then the normal forces beside their friction, so that no sample is behind a plane, whatever friction has come to.
-/// Where that makes other rows active, both again.
+/// Rows on planes of different directions need both at once: all forces of the rows that were active come first (coulomb_rows.hpp), from
+/// what stuck and what slid; then the normal forces beside their friction, so that no sample is behind a plane, whatever friction has come
+/// to. Where that makes other rows active, both again.
 ///
 /// In nearly every step of lasting contact the rows at hand do, and all of them stick. Then G f undoes gaps and slips at once: three right
 /// sides for one factor. That is `hold`, to be tried before `solve`; what other samples do then is for the caller to look at.
@@ -67,7 +68,9 @@ class SurfaceStage {
 
  private:
   double limit(std::size_t t) const { return friction_[rows[t].plane] * set_.forces()[t]; }
+  bool aligned(int p, int q) const;
   bool parallel() const;
+  bool rubs_apart(double tolerance);
   void rub(const std::function<Vec3(const SurfaceRow&)>& slip);
   template <class Block>
   StepStatus balance(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
