@@ -209,7 +209,8 @@ def thrown(body, velocity, **solver):
     vertices, faces = bodies.cube(5, 0.0)
     scene = body(
         (0.1 * vertices, faces), lattice={"origin": [0.0] * 3, "size": [0.1] * 3}, gravity=GRAVITY, damping=0.05, plane=[GROUND], probe=[],
-        velocity=[*velocity, 0.0], outputs={"solver": True}, stop_time=0.2, communication_step=0.01, **{"method": "auto", "step": 0.0} | solver,
+        velocity=[*velocity, 0.0], outputs={"solver": True}, stop_time=0.2, communication_step=0.01,
+        **{"method": "auto", "step": 0.0} | solver,
     )  # fmt: skip
     result = simulate(scene)
     return result.positions, result.outputs["solver.steps"][-1], result.summary["warnings"]
@@ -217,7 +218,7 @@ def thrown(body, velocity, **solver):
 
 def test_what_rattles_takes_no_steps_that_make_it_no_better(body):
     """Fixed steps of a 1,000th and of a 1,500th of the stable one differ by a tolerance, 1e-5 m: what is shorter than needed for that gains
-    nothing. The stated error is that of the estimate, about twice the true one: some throws come to the 2.5 tolerances that are a warning."""
+    nothing. The stated error is about twice the true one: some throws come to the 2.5 tolerances from which on there is a warning."""
     steps, warned = [], []
     for velocity in THROWS:
         positions, taken, warnings = thrown(body, velocity)
