@@ -109,28 +109,29 @@ Pin make_pin(const Definition& definition, const PinDefinition& source, Vec3& or
 Run empty_run(const Definition& definition) {
   const int n = definition.lattice.points();
   Run run;
-  run.path.exchange.planes.resize(definition.planes);
-  run.path.exchange.pins.resize(definition.pins.size());
+  run.physical.exchange.planes.resize(definition.planes);
+  run.physical.exchange.pins.resize(definition.pins.size());
   const auto& [basis, patches, followed, areas] = definition.sensed;
-  run.path.exchange.points.resize(followed.size());
-  if (!patches.empty()) run.path.exchange.touched.assign(definition.planes, Points::Zero(int(areas.size()), 3));
+  run.physical.exchange.points.resize(followed.size());
+  if (!patches.empty()) run.physical.exchange.touched.assign(definition.planes, Points::Zero(int(areas.size()), 3));
   for (const Patch& patch : patches) run.sensors.push_back({.taxels = Points::Zero(patch.taxel_count(), 3)});
   run.contacts.resize(definition.planes);
   run.centres.resize(definition.planes, Vec3::Zero());
-  State& motion = run.path.motion;
+  State& motion = run.physical.motion;
   for (Points* points : {&motion.x, &motion.v, &motion.spring}) points->setZero(n, 3);
-  if (definition.planes > 0) run.course.neighbour.x = run.course.neighbour.v = Points::Zero(n, 3);
-  for (MarkedPoints* points : {&motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside}) points->change().setZero(n, 3);
-  if (definition.solid() || (definition.samples && definition.planes > 0)) run.course.in_contact.x.change().setZero(n, 3);
+  if (definition.planes > 0) run.control.neighbour.x = run.control.neighbour.v = Points::Zero(n, 3);
+  for (MarkedPoints* points : {&motion.previous, &run.control.bound_x, &run.control.factored.x, &run.outside})
+    points->change().setZero(n, 3);
+  if (definition.solid() || (definition.samples && definition.planes > 0)) run.control.in_contact.x.change().setZero(n, 3);
   motion.free.resize(definition.free.size());
-  run.course.neighbour.free.resize(definition.free.size());
+  run.control.neighbour.free.resize(definition.free.size());
   if (!definition.samples && !definition.solid()) {
     motion.holds.assign(definition.planes, Points::Zero(n, 3));
   } else if (definition.planes > 0) {
     const int touching = definition.samples ? definition.samples->count() : n;
     const int rows = std::min({most_surface_rows, 3 * n, touching * definition.planes});
     motion.held_rows = {std::vector<Count>(rows, -1), Points::Zero(rows, 3)};
-    SurfaceRows& surface = run.path.surface;
+    SurfaceRows& surface = run.physical.surface;
     if (definition.samples) {
       surface.drift = surface.close = motion.held_rows.rows;
       surface.drift_friction = surface.close_friction = motion.held_rows.forces;

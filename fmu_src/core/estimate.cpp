@@ -88,8 +88,9 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   const Points &x = body.state().x, &y = shadow_.state().x;
   for (int i = 0; i < x.size(); ++i) difference = std::max(difference, std::abs(x.data()[i] - y.data()[i]));
   if (!of_impacts(body)) follow_vibration(body, H, taken);
-  const double estimate = std::max({difference * tally_.time / tally_.ratio_time, tally_.damped_away,
-                                    body.run().path.error.largest() + body.run().path.damped_error + body.run().path.damped_fading});
+  const double estimate =
+      std::max({difference * tally_.time / tally_.ratio_time, tally_.damped_away,
+                body.run().physical.error.largest() + body.run().physical.damped_error + body.run().physical.damped_fading});
   const bool free = given && !body.readings().damped();
   tally_.value = free && out_of_phase() ? std::max(tally_.value, estimate) : estimate;
   if (free) tally_.value = std::max(tally_.value, lost_vibration(body));

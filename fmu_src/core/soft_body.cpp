@@ -30,9 +30,9 @@ bool finite(const Run& run) {
   const auto mean_is_finite = [H = run.exchange_time](const Impulse& impulse) {
     return (impulse.force / H).allFinite() && (impulse.torque / H).allFinite();
   };
-  const Exchange& exchange = run.path.exchange;
-  return all_finite(run.path.motion) && all_finite(exchange) && all_finite(run.potential) && all_finite(run.energy) &&
-         all_finite(run.work) && all_finite(run.dissipated) && !std::isnan(run.course.bound) &&
+  const Exchange& exchange = run.physical.exchange;
+  return all_finite(run.physical.motion) && all_finite(exchange) && all_finite(run.potential) && all_finite(run.energy) &&
+         all_finite(run.work) && all_finite(run.dissipated) && !std::isnan(run.control.bound) &&
          std::all_of(exchange.planes.begin(), exchange.planes.end(), mean_is_finite) &&
          std::all_of(exchange.pins.begin(), exchange.pins.end(), mean_is_finite);
 }
@@ -60,7 +60,7 @@ SoftBody::SoftBody(Definition definition)
   if (!sensed.patches.empty())
     sensors_ = std::make_unique<Sensors>(sensed, definition_.lattice, surface_ ? definition_.samples.get() : nullptr);
   for (const FreeBody& each : definition_.free) {
-    drive_.free.emplace_back(each, now_.path.motion.free, int(drive_.free.size()));
+    drive_.free.emplace_back(each, now_.physical.motion.free, int(drive_.free.size()));
     settings.free.push_back({.mass = each.mass});
   }
   for (const FreeMotion& each : drive_.free)
@@ -111,13 +111,13 @@ void SoftBody::refresh_model() {
 
 /// What the run knows of the material before does not hold for this one.
 void SoftBody::take_material() {
-  now_.course.forget_material();
-  now_.path.motion.previous_h = 0;
-  now_.path.stiff.begin(Phase::flight);
+  now_.control.forget_material();
+  now_.physical.motion.previous_h = 0;
+  now_.physical.stiff.begin(Phase::flight);
 }
 
 StepStatus SoftBody::refresh_drive() {
-  const double time = now_.path.motion.time;
+  const double time = now_.physical.motion.time;
   for (std::size_t q = 0; q < drive_.planes.size(); ++q) {
     const double size = settings.planes[q].normal.stableNorm();
     if (!(size > 0)) return StepStatus::zero_normal;
@@ -162,7 +162,7 @@ void SoftBody::refresh_forces() {
 void SoftBody::refresh_free_bodies() {
   for (std::size_t k = 0; k < drive_.free.size(); ++k) {
     FreeLoad load = settings.free[k];
-    drive_.free[k].follow(now_.path.motion.free);  // a soft body may have been moved
+    drive_.free[k].follow(now_.physical.motion.free);  // a soft body may have been moved
     std::vector<double> masses;
     std::vector<Vec3> arms;
     if (drive_.free[k].part()) {
@@ -170,7 +170,7 @@ void SoftBody::refresh_free_bodies() {
       arms = pin.local;
       for (const int p : pin.points) masses.push_back(model_.body.mass[p]);
     }
-    FreeState& state = now_.path.motion.free[k];
+    FreeState& state = now_.physical.motion.free[k];
     const FreeState own = drive_.free[k].own(state);
     const Vec3 spin = drive_.free[k].spin(state);
     const double before = drive_.free[k].mass();
@@ -184,7 +184,7 @@ void SoftBody::refresh_free_bodies() {
 void SoftBody::start_free_bodies(const Vec3& centre) {
   for (FreeMotion& each : drive_.free) {
     const FreeBody& body = each.body();
-    FreeState own{.time = now_.path.motion.time};
+    FreeState own{.time = now_.physical.motion.time};
     Vec3 spin = definition_.angular_velocity;
     if (body.plane >= 0) {
       const PlaneMotion& start = settings.planes[body.plane];
@@ -198,24 +198,24 @@ void SoftBody::start_free_bodies(const Vec3& centre) {
       own.orientation = drive_.pins[body.pin].orientation;
       own.velocity = definition_.velocity + spin.cross(own.position - centre);
     }
-    now_.path.motion.free[each.index()] = each.whole(own, spin);
+    now_.physical.motion.free[each.index()] = each.whole(own, spin);
   }
 }
 
 StepStatus SoftBody::clear_jumps(bool& moved) {
   if (drive_.planes.empty() || settings.method == Method::central_difference) return StepStatus::ok;
-  State& motion = now_.path.motion;
+  State& motion = now_.physical.motion;
   if (surface_ && !motion.free.empty())
     if (const StepStatus status = surface_->clear_free_jumps(drive_, motion.time, motion.free, moved); status != StepStatus::ok)
       return status;
-  if (surface_) return surface_->clear_jumps(model_.body, drive_, now_.path.motion.time, now_.path.motion.x, moved);
-  return jumps_.clear_jumps(model_.body, drive_, now_.path.motion.time, now_.path.motion.x, moved);
+  if (surface_) return surface_->clear_jumps(model_.body, drive_, now_.physical.motion.time, now_.physical.motion.x, moved);
+  return jumps_.clear_jumps(model_.body, drive_, now_.physical.motion.time, now_.physical.motion.x, moved);
 }
 
 bool SoftBody::place_pins(bool book) {
   bool moved = false;
-  State& motion = now_.path.motion;
-  Exchange& exchange = now_.path.exchange;
+  State& motion = now_.physical.motion;
+  Exchange& exchange = now_.physical.exchange;
   drive_.visit_pinned(motion.time, [&](const PinnedPoint& held) {
     const int p = held.point;
     const Vec3 x = held.place(), v = held.velocity();
@@ -233,7 +233,7 @@ bool SoftBody::place_pins(bool book) {
 StepStatus SoftBody::initialize(double t0) {
   forget_shown();
   refresh_model();
-  State& motion = now_.path.motion;
+  State& motion = now_.physical.motion;
   start_time_ = motion.time = t0;
   const StepStatus status = refresh_drive();
   if (status != StepStatus::ok) return status;
@@ -245,23 +245,23 @@ StepStatus SoftBody::initialize(double t0) {
   motion.previous_h = 0;
   for (Points& forces : motion.holds) forces.setZero();
   motion.held_rows.forget();
-  MarkedPoints bound_x = std::move(now_.course.bound_x), factored_x = std::move(now_.course.factored.x);
-  MarkedPoints contact_x = std::move(now_.course.in_contact.x);
-  Neighbour neighbour = std::move(now_.course.neighbour);
+  MarkedPoints bound_x = std::move(now_.control.bound_x), factored_x = std::move(now_.control.factored.x);
+  MarkedPoints contact_x = std::move(now_.control.in_contact.x);
+  Neighbour neighbour = std::move(now_.control.neighbour);
   neighbour.forget();
   neighbour.off = {};
-  now_.course = {};
-  now_.course.neighbour = std::move(neighbour);
-  now_.course.bound_x = std::move(bound_x);
-  now_.course.factored.x = std::move(factored_x);
-  now_.course.in_contact.x = std::move(contact_x);
-  now_.path.clock = {.origin = t0};
-  now_.path.steps = 0;
-  now_.path.stiff = {};
-  now_.path.error = {};
-  now_.path.damped_error = now_.path.damped_fading = 0;
-  now_.path.surface.forget();
-  now_.path.exchange.clear();
+  now_.control = {};
+  now_.control.neighbour = std::move(neighbour);
+  now_.control.bound_x = std::move(bound_x);
+  now_.control.factored.x = std::move(factored_x);
+  now_.control.in_contact.x = std::move(contact_x);
+  now_.physical.clock = {.origin = t0};
+  now_.physical.steps = 0;
+  now_.physical.stiff = {};
+  now_.physical.error = {};
+  now_.physical.damped_error = now_.physical.damped_fading = 0;
+  now_.physical.surface.forget();
+  now_.physical.exchange.clear();
   now_.exchange_time = 1;
   now_.dissipated = now_.work = 0;
   now_.energy = {};
@@ -281,8 +281,8 @@ StepStatus SoftBody::initialize(double t0) {
 /// A communication step from the run as it is. changed: the material is another than before it. stand_ins: half-spaces may stand for
 /// solids; where they are pressed beside these, the step is not taken.
 StepStatus SoftBody::advance_from_here(double H, double step_factor, bool changed, bool stand_ins) {
-  State& motion = now_.path.motion;
-  Exchange& exchange = now_.path.exchange;
+  State& motion = now_.physical.motion;
+  Exchange& exchange = now_.physical.exchange;
   if (changed) take_material();
   const StepStatus status = refresh_drive();
   if (status != StepStatus::ok) return status;
@@ -299,7 +299,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   const bool watched = !published;
   if (definition_.watch_energy) now_.work += potential_energy() - now_.potential;
   if (moved) begin_ = motion.x;
-  const Points& begin = moved ? begin_ : before_.path.motion.x;
+  const Points& begin = moved ? begin_ : before_.physical.motion.x;
   if (!watched) now_.energy.kinetic_elastic = -1;
   const double jump = now_.outside.mark() == force_mark_ ? 0 : (drive_.force - *now_.outside).abs().maxCoeff();
   if (watched && jump > 0) jolt(now_.energy, model_.body, motion.spring, *now_.outside, drive_.force);
@@ -334,12 +334,12 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
 }
 
 void SoftBody::look_at_planes() {
-  const State& motion = now_.path.motion;
+  const State& motion = now_.physical.motion;
   if (surface_) surface_->count(drive_, motion.time, motion.x, now_.contacts);
   for (std::size_t q = 0; q < drive_.planes.size(); ++q) {
     const HalfSpace plane = drive_.planes[q].at(motion.time);
     if (!surface_) now_.contacts[q] = points_on(plane, model_.body.length, motion.x);
-    const Impulse& on = now_.path.exchange.planes[q];
+    const Impulse& on = now_.physical.exchange.planes[q];
     now_.centres[q] = drive_.planes[q].solid() ? centre_of_places(plane, on) : centre_of_pressure(plane, on);
   }
   if (sensors_) sensors_->read(drive_, settings.tolerance * model_.body.length, now_);
@@ -377,8 +377,8 @@ StepStatus SoftBody::advance(double H) {
   budget.begin(most);
   ++drive_.call;
   StepStatus status = attempt(usual);
-  came_ = now_.path.motion.time - before_.path.motion.time;
-  const bool astray = status == StepStatus::too_much_work && now_.course.work > before_.course.work;  // not from the start
+  came_ = now_.physical.motion.time - before_.physical.motion.time;
+  const bool astray = status == StepStatus::too_much_work && now_.control.work > before_.control.work;  // not from the start
   if (status == StepStatus::not_finite || astray)
     status = retry_divided(now_, snapshot, most, usual, status, divided_, attempt);
   else if (status == StepStatus::ok && automatic && !now_.energy.hopeless && readings().gains_energy())

@@ -55,10 +55,10 @@ class SoftBody {
   /// One communication step of length H > 0. On failure the state is as before.
   StepStatus advance(double H);
 
-  const State& state() const { return now_.path.motion; }
+  const State& state() const { return now_.physical.motion; }
   /// Control points, where the state has the nodes of a solid, as they are and move [m], [m/s]. Until the next step.
-  const Points& positions() const { return shown(now_.path.motion.x, shown_positions_); }
-  const Points& velocities() const { return shown(now_.path.motion.v, shown_velocities_); }
+  const Points& positions() const { return shown(now_.physical.motion.x, shown_positions_); }
+  const Points& velocities() const { return shown(now_.physical.motion.v, shown_velocities_); }
   /// Where free body k is by its own centre and how it moves, and its angular velocity [rad/s].
   FreeState free_body(int k) const { return drive_.free[k].own(state().free[k]); }
   Vec3 angular_velocity(int k) const { return drive_.free[k].spin(state().free[k]); }

@@ -17,7 +17,7 @@ TEST(the_second_run_of_a_stiff_body_that_flies_near_an_obstacle_takes_long_steps
     CHECK(body.advance(0.01) == StepStatus::ok);
     estimate.follow(body, 0.01);
   }
-  const Course run = body.run().course, second = estimate.memory().shadow.course;
+  const ControllerState run = body.run().control, second = estimate.memory().shadow.control;
   CHECK(run.method == Method::floating_frame);
   CHECK(second.method == Method::floating_frame);
   CHECK(second.work <= 4 * run.work);  // twice the steps, each with a matrix of its own; explicit steps: a hundred times
@@ -38,7 +38,7 @@ TEST(steps_that_follow_the_tolerance_err_by_what_two_runs_differ_by_over_one_les
   for (int n = 0; n < 5; ++n) {
     CHECK(body.advance(0.2) == StepStatus::ok && exact.advance(0.2) == StepStatus::ok);
     estimate.follow(body, 0.2);
-    const Points &x = body.state().x, &second = estimate.memory().shadow.path.motion.x;
+    const Points &x = body.state().x, &second = estimate.memory().shadow.physical.motion.x;
     CHECK_NEAR(estimate.value() * (1 - std::pow(2.0 / 3, 8)) / (x - second).abs().maxCoeff(), 1, 1e-9);
     CHECK_NEAR(estimate.value() / (x - exact.state().x).abs().maxCoeff(), 1, 0.05);
   }

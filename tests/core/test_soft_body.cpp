@@ -27,7 +27,7 @@ TEST(too_much_work_is_refused_at_once_and_larger_lattices_may_do_less_in_a_call)
       if (given) body.settings.step = h;
       CHECK(body.advance(4 * h) == StepStatus::ok);
       CHECK(body.advance(100'000 * h) == StepStatus::too_much_work);  // a 64th of 5 million is 78,125
-      CHECK(body.run().course.work < 4e3);                            // trial runs
+      CHECK(body.run().control.work < 4e3);                           // trial runs
     }
 }
 
@@ -99,7 +99,7 @@ TEST(a_gain_of_a_damped_body_under_a_load_that_grows_is_seen) {
   go(body, 20, 0.1);
   CHECK(!body.readings().gains_energy());
   Run more = body.run();
-  more.path.motion.v *= 2;
+  more.physical.motion.v *= 2;
   body.restore(more, 0);
   go(body, 20, 0.1);
   CHECK(body.readings().gains_energy());

@@ -55,9 +55,9 @@ void Reactions::close(const StepView& step, const Contact& contact, const Points
 }
 
 /// Of points that a pin holds too the force is the pin's: in the kick it would count as lost.
-void Reactions::hold(const StepView& step, SurfaceContact& surface, const Path& path, const Points& v0) {
+void Reactions::hold(const StepView& step, SurfaceContact& surface, const PhysicalState& physical, const Points& v0) {
   kick(step, v0);
-  if (surface.hold(step, held_, path.surface, path.motion.free) != StepStatus::ok) return clear();
+  if (surface.hold(step, held_, physical.surface, physical.motion.free) != StepStatus::ok) return clear();
   for (int axis = 0; axis < 3; ++axis) forces_.col(axis) = step.body.mass * (held_.col(axis) - free_.col(axis)) / (0.5 * step.h);
   for (int p = 0; p < step.body.points(); ++p)
     if (step.body.pinned[p]) set_row(forces_, p, Vec3::Zero());

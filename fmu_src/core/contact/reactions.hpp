@@ -18,7 +18,7 @@ class Reactions {
   /// At the closing: of points that were on an obstacle then and still are. v0: velocities before the kick; contact: after its drift.
   void close(const StepView& step, const Contact& contact, const Points& v0);
   /// At either kick, where samples of the surface meet obstacles: of those that touch.
-  void hold(const StepView& step, SurfaceContact& surface, const Path& path, const Points& v0);
+  void hold(const StepView& step, SurfaceContact& surface, const PhysicalState& physical, const Points& v0);
   /// None.
   void clear();
 

@@ -30,7 +30,7 @@ FloatingFrame::FloatingFrame(const Lattice& lattice, Ros34pw2& deformation)
 }
 
 Outcome FloatingFrame::attempt_in(const Equations& equations, double t, double h, Run& run) {
-  return deformation_.with_factor_of(run, true, [&] { return attempt(equations, t, h, run.path.motion); });
+  return deformation_.with_factor_of(run, true, [&] { return attempt(equations, t, h, run.physical.motion); });
 }
 
 void FloatingFrame::take_material(const Model& model) { time_scale = deformation_.time_scale = model.time_scale; }

@@ -4,7 +4,7 @@ namespace softffd {
 
 double energy_lost(const StepContext& context, const State& from, double given) {
   const Body& body = context.model.body;
-  const State& to = context.run.path.motion;
+  const State& to = context.run.physical.motion;
   const double h = to.time - from.time, middle = 0.5 * (from.time + to.time);
   double sum = given + body.elastic_energy(from.x) - body.elastic_energy(to.x);
   for (int axis = 0; axis < 3; ++axis)
@@ -18,8 +18,8 @@ double energy_lost(const StepContext& context, const State& from, double given) 
 
 void book_energies(const StepContext& context, const State& from, const Points& booked, const Exchange& before) {
   const Body& body = context.model.body;
-  const State& to = context.run.path.motion;
-  Exchange& exchange = context.run.path.exchange;
+  const State& to = context.run.physical.motion;
+  Exchange& exchange = context.run.physical.exchange;
   if (context.drive.ramped) exchange.work += context.drive.ramp_dot(0.5 * (from.time + to.time), to.x - booked);
   double balance = exchange.work - before.work + body.elastic_energy(from.x) - body.elastic_energy(to.x);
   for (int axis = 0; axis < 3; ++axis)

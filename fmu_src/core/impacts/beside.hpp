@@ -15,7 +15,7 @@ struct Beside {
 
 /// Whether every point, or sample, is off all obstacles by this share of the box.
 inline bool off_obstacles(const StepContext& context, double gap) {
-  const State& motion = context.run.path.motion;
+  const State& motion = context.run.physical.motion;
   return off_obstacles(context.model.body, context.drive, motion.time, motion.x, gap * context.model.body.length);
 }
 /// Energy that a step from this state took beyond damping and friction, obstacles having given so much of it [J].

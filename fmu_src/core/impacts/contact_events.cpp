@@ -8,8 +8,8 @@
 
 namespace softffd {
 
-ContactEvent event_of(const StepContext& context, const Slip& slip, double pressing, const Path& from, double slight) {
-  const State& motion = context.run.path.motion;
+ContactEvent event_of(const StepContext& context, const Slip& slip, double pressing, const PhysicalState& from, double slight) {
+  const State& motion = context.run.physical.motion;
   const double h = motion.time - from.motion.time;
   if (!context.drive.pins.empty() || (slip.stopped == 0 && !context.drive.ramped)) return {};
   const Outlook ahead = outlook_of_stiff(context, motion);

@@ -14,6 +14,6 @@ struct ContactEvent {
 /// What changes in a step of a body that is not held, and when. Outside forces are linear in the step, and taken at its middle: what sticks
 /// by the middle's forces may slide by those of the end, and what slides by them may have stuck for a part of it.
 /// pressing: the force on the obstacles in the step [N]. from: where it began. slight: way that does not matter [m].
-ContactEvent event_of(const StepContext& context, const Slip& slip, double pressing, const Path& from, double slight);
+ContactEvent event_of(const StepContext& context, const Slip& slip, double pressing, const PhysicalState& from, double slight);
 
 }  // namespace softffd

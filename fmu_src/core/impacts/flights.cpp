@@ -35,9 +35,9 @@ namespace use = thresholds;
 }  // namespace
 
 bool Flights::rings_about_rest(const StepContext& context) {
-  const State& motion = context.run.path.motion;
+  const State& motion = context.run.physical.motion;
   if (!context.drive.pins.empty() || !flight_.possible(context.model.body)) return false;
-  context.run.course.work += use::entry_work;
+  context.run.control.work += use::entry_work;
   flight_.enter(context.equations(), motion.time, motion);
   const double left = left_of_run(context), drift = std::min(left, flight_.memory()) * flight_.neglected_rate();
   const double slight = use::window_share * context.request.tolerance / (use::rebound_share * left);  // speed that no rebound need have
@@ -49,16 +49,16 @@ bool Flights::rings_about_rest(const StepContext& context) {
 
 StepStatus Flights::fly(const Beside& at, bool rings) {
   const StepContext& context = at.context;
-  Path& path = context.run.path;
-  StiffContact& stiff = path.stiff;
-  State& motion = path.motion;
+  PhysicalState& physical = context.run.physical;
+  StiffContact& stiff = physical.stiff;
+  State& motion = physical.motion;
   const double slight = touching * context.model.body.length;
   const std::vector<Plane>& planes = context.drive.planes;
   if (!off_obstacles(context, touching) || !free_off_others(planes, motion.time, slight) || !(rings || rings_about_rest(context))) {
     stiff.phase = Phase::contact;
     return StepStatus::ok;
   }
-  before_ = path;
+  before_ = physical;
   const double most = at.end - motion.time, begun = motion.time;
   const double mean = flight_.mean_frequency(), energy = flight_.energy(), neglected = flight_.neglected_rate();
   const double free = flight_.until_touch(context.equations(), most, use::shortest_advance * at.limit, false);
@@ -68,24 +68,24 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
     const double landing = touches ? begun + free : at.end;
     for (const FreeMotion& each : context.drive.free) motion.free[each.index()] = each.flown(motion.free[each.index()], landing);
     motion.time = landing;
-    context.run.course.work += use::flight_work;
+    context.run.control.work += use::flight_work;
     at.integrators.budget().spend(use::entry_work + use::flight_work);
-    context.run.course.method = Method::floating_frame;
-    context.run.course.reason = Reason::ringing_flight;
-    path.clock = {begun, free, 0};
-    ++path.steps;
+    context.run.control.method = Method::floating_frame;
+    context.run.control.reason = Reason::ringing_flight;
+    physical.clock = {begun, free, 0};
+    ++physical.steps;
     if (context.drive.watch) book_energies(context, before_.motion, before_.motion.x, before_.exchange);
     // What is left out of the modes may have brought a point behind an obstacle, and uneven drag has deformed the body since.
     if (!off_obstacles(context, touching) || (flight_.modes().damped_unevenly && !rings_about_rest(context))) {
-      path = before_;
+      physical = before_;
       touches = true;
     } else {
-      path.error.add({neglected * free});
+      physical.error.add({neglected * free});
       if (stiff.flown > 0) stiff.flown += neglected * free;
     }
   }
   if (!touches) return StepStatus::ok;
-  book_unknown_phase(context, motion, energy, mean, path.total_error());
+  book_unknown_phase(context, motion, energy, mean, physical.total_error());
   stiff.begin(Phase::impact);
   stiff.since = motion.time;
   return StepStatus::ok;
@@ -93,19 +93,19 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
 
 bool Flights::can_fly(const Beside& at, double least, double until) {
   if (!rings_about_rest(at.context)) return false;
-  const double most = until - at.context.run.path.motion.time;
+  const double most = until - at.context.run.physical.motion.time;
   const double free = flight_.until_touch(at.context.equations(), std::min(most, 2 * least), use::shortest_advance * at.limit, false);
   return free >= std::min(most, least);
 }
 
 Flights::PhaseError Flights::phase_error(const Beside& at, const State& other, const Outlook& ahead) {
   const StepContext& context = at.context;
-  const State& motion = context.run.path.motion;
+  const State& motion = context.run.physical.motion;
   const Equations equations = context.equations();
   flight_.enter(equations, motion.time, other);
   flight_.remember();
   flight_.enter(equations, motion.time, motion);
-  context.run.course.work += 3 * use::entry_work;
+  context.run.control.work += 3 * use::entry_work;
   const double between = flight_.difference(), mean = flight_.mean_frequency();
   PhaseError found{.apart = mean > 0 ? between / mean : 0};
   const double next = flight_.until_touch(equations, ahead.left, 0, true);

@@ -7,7 +7,7 @@ namespace softffd {
 
 class Flights {
  public:
-  Flights(const Lattice& lattice, const Run& run) : flight_(lattice), before_(run.path) {}
+  Flights(const Lattice& lattice, const Run& run) : flight_(lattice), before_(run.physical) {}
 
   /// Can the body's motion be carried by its modes now? They are made where the material is new.
   bool rings_about_rest(const StepContext& context);
@@ -27,7 +27,7 @@ class Flights {
 
  private:
   ModalFlight flight_;
-  Path before_;
+  PhysicalState before_;
 };
 
 }  // namespace softffd

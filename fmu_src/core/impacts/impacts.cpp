@@ -15,22 +15,22 @@ namespace use = thresholds;
 /// is missing in every velocity afterwards.
 StepStatus Impacts::pass_over(const Beside& at) {
   const StepContext& context = at.context;
-  StiffContact& stiff = context.run.path.stiff;
-  State& motion = context.run.path.motion;
+  StiffContact& stiff = context.run.physical.stiff;
+  State& motion = context.run.physical.motion;
   const Outlook ahead = outlook(context, motion);
   before_ = motion;
   stiff.begin(context.request.method == Method::backward_euler ? Phase::flight : Phase::rest);
   context.run.energy.kinetic_elastic = -1;
   const StepStatus status = run_implicit(at.integrators, context, Method::backward_euler, at.end);
   const double lost = std::max(0.0, energy_lost(context, before_, 0) - context.model.noise);
-  context.run.path.error.add({ahead.along_normal * std::sqrt(2 * lost / context.model.body.mass.sum())});
-  context.run.course.reason = context.request.method == Method::backward_euler ? Reason::asked : Reason::stiff_contact;
+  context.run.physical.error.add({ahead.along_normal * std::sqrt(2 * lost / context.model.body.mass.sum())});
+  context.run.control.reason = context.request.method == Method::backward_euler ? Reason::asked : Reason::stiff_contact;
   return status;
 }
 
 StepStatus Impacts::run(Integrators& integrators, const StepContext& context, double end, bool rings) {
-  StiffContact& stiff = context.run.path.stiff;
-  const State& motion = context.run.path.motion;
+  StiffContact& stiff = context.run.physical.stiff;
+  const State& motion = context.run.physical.motion;
   Budget& budget = integrators.budget();
   Budget::Reserve reserve(budget, use::passing_over * budget.left());
   StepStatus status = StepStatus::ok;
@@ -40,7 +40,7 @@ StepStatus Impacts::run(Integrators& integrators, const StepContext& context, do
       status = pass_over(at);
       continue;
     }
-    Snapshot snapshot(context.run.path, start_);
+    Snapshot snapshot(context.run.physical, start_);
     switch (stiff.phase) {
       case Phase::flight: status = flights_.fly(at, rings); break;
       case Phase::impact:

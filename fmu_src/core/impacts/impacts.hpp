@@ -24,7 +24,7 @@ namespace softffd {
 class Impacts {
  public:
   Impacts(const Lattice& lattice, const Run& run)
-      : flights_(lattice, run), windows_(run), rest_(run), before_(run.path.motion), start_(run.path) {}
+      : flights_(lattice, run), windows_(run), rest_(run), before_(run.physical.motion), start_(run.physical) {}
 
   /// Can the body's motion be carried by its modes now? They are made where the material is new.
   bool rings_about_rest(const StepContext& context) { return flights_.rings_about_rest(context); }
@@ -38,7 +38,7 @@ class Impacts {
   Windows windows_;
   RestSteps rest_;
   State before_;
-  Path start_;  ///< of what the budget may not be enough for
+  PhysicalState start_;  ///< of what the budget may not be enough for
 };
 
 }  // namespace softffd

@@ -27,13 +27,13 @@ struct Across {
 
   Across(const StepContext& context, const Exchange& before) {
     for (std::size_t q = 0; q < context.drive.planes.size() && count < 3; ++q) {
-      if (context.run.path.exchange.planes[q].force == before.planes[q].force) continue;
+      if (context.run.physical.exchange.planes[q].force == before.planes[q].force) continue;
       if (context.drive.planes[q].solid()) {  // its rows each have a normal of their own
         count = 3;
         normals = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
         return;
       }
-      const Vec3 normal = along(context.drive.planes[q].at(context.run.path.motion.time).normal);
+      const Vec3 normal = along(context.drive.planes[q].at(context.run.physical.motion.time).normal);
       if (normal.norm() > same_plane) normals[count++] = normal.normalized();
     }
   }
@@ -47,10 +47,10 @@ struct Across {
 
 }  // namespace
 
-void follow_mean_velocity(const StepContext& context, const Path& before, double h, bool along) {
+void follow_mean_velocity(const StepContext& context, const PhysicalState& before, double h, bool along) {
   const Body& body = context.model.body;
   const State& from = before.motion;
-  State& motion = context.run.path.motion;
+  State& motion = context.run.physical.motion;
   const RigidMotion begin = rigid_motion(body.mass, from.x, from.v), end = rigid_motion(body.mass, motion.x, motion.v);
   Eigen::Matrix3d turned = Eigen::Matrix3d::Zero();
   for (int p = 0; p < body.points(); ++p)

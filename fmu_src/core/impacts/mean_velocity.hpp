@@ -7,6 +7,6 @@ namespace softffd {
 
 /// The centre moves, and the attitude turns, by the mean of the velocities at both ends; the deformation stays. along: only so far as no
 /// gap of what was touched changes, and where that has curved sides not at all.
-void follow_mean_velocity(const StepContext& context, const Path& before, double h, bool along);
+void follow_mean_velocity(const StepContext& context, const PhysicalState& before, double h, bool along);
 
 }  // namespace softffd

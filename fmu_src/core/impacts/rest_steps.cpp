@@ -50,16 +50,16 @@ Vec3 obstacle_acceleration(const StepContext& context, const State& state) {
 
 }  // namespace
 
-RestSteps::RestSteps(const Run& run) : start_(run.path), before_(run.path), coarse_(run.path), x_(run.path.motion.x) {
-  drive_.planes.reserve(run.path.exchange.planes.size());
-  obstacles_.reserve(run.path.exchange.planes.size());
+RestSteps::RestSteps(const Run& run) : start_(run.physical), before_(run.physical), coarse_(run.physical), x_(run.physical.motion.x) {
+  drive_.planes.reserve(run.physical.exchange.planes.size());
+  obstacles_.reserve(run.physical.exchange.planes.size());
 }
 
 StepStatus RestSteps::run(const Beside& at) {
   const StepContext& context = at.context;
-  StiffContact& stiff = context.run.path.stiff;
-  context.run.course.method = Method::backward_euler;
-  context.run.course.reason = Reason::stiff_contact;
+  StiffContact& stiff = context.run.physical.stiff;
+  context.run.control.method = Method::backward_euler;
+  context.run.control.reason = Reason::stiff_contact;
   context.run.energy.kinetic_elastic = -1;
   if (context.drive.pins.empty() && off_obstacles(context, use::lifted)) {
     stiff.begin(Phase::flight);
@@ -70,7 +70,7 @@ StepStatus RestSteps::run(const Beside& at) {
     return StepStatus::ok;
   }
   if (stiff.settling) return settle(at);
-  const double time = context.run.path.motion.time, left = at.end - time;
+  const double time = context.run.physical.motion.time, left = at.end - time;
   const double wanted = stiff.step > 0 ? std::min(stiff.step, left) : left;
   if (wanted < left && doubted(at, wanted)) return StepStatus::ok;
   const Count parts = divisions(left, wanted);
@@ -81,7 +81,7 @@ StepStatus RestSteps::run(const Beside& at) {
 
 /// Whether steps of h do not pay: back to windows, to listen for longer.
 bool RestSteps::doubted(const Beside& at, double h) {
-  StiffContact& stiff = at.context.run.path.stiff;
+  StiffContact& stiff = at.context.run.physical.stiff;
   if (h >= use::worth_resting * at.limit) return false;
   const Count doubts = std::min(stiff.doubts + 1, use::most_doubts);
   stiff.begin(Phase::contact);
@@ -93,15 +93,15 @@ bool RestSteps::doubted(const Beside& at, double h) {
 /// or where the two differ: a body that turns is not at rest.
 StepStatus RestSteps::settle(const Beside& at) {
   const StepContext& context = at.context;
-  Path& path = context.run.path;
-  StiffContact& stiff = path.stiff;
-  const double time = path.motion.time, h = std::min(at.end - time, use::settling_steps * at.limit);
+  PhysicalState& physical = context.run.physical;
+  StiffContact& stiff = physical.stiff;
+  const double time = physical.motion.time, h = std::min(at.end - time, use::settling_steps * at.limit);
   const double end = h < at.end - time ? time + h : at.end, most = use::event_share * allowed(context, h);
-  Snapshot snapshot(path, start_);
+  Snapshot snapshot(physical, start_);
   Step taken = step(at, end, true);
   const bool steady = taken.status == StepStatus::ok && event_of(context, taken.slip, taken.pressing, start_, most).error <= most;
   if (steady) {
-    std::swap(coarse_, path);
+    std::swap(coarse_, physical);
     snapshot.rollback();
     double lost = 0;
     for (const double until : {time + 0.5 * h, end}) {
@@ -109,9 +109,9 @@ StepStatus RestSteps::settle(const Beside& at) {
       lost += taken.lost;
     }
     if (taken.status == StepStatus::ok && lost <= use::settling_loss * allowed_loss(context, stiff.pressing)) {
-      const LeftOver left = left_over(context, coarse_.motion, path.motion, outlook_of_stiff(context, path.motion));
+      const FinalError left = final_error(context, coarse_.motion, physical.motion, outlook_of_stiff(context, physical.motion));
       if (left.size <= use::settling_share * context.request.tolerance) {
-        path.error.add(left);
+        physical.error.add(left);
         stiff.settling = false;
         stiff.step = use::rest_growth * h;
         snapshot.commit();
@@ -131,7 +131,7 @@ StepStatus RestSteps::settle(const Beside& at) {
 /// Whether the body turns over its obstacle: no step of that is like the one before.
 bool RestSteps::tips(const StepContext& context) const {
   if (!context.drive.pins.empty()) return false;
-  const State& motion = context.run.path.motion;
+  const State& motion = context.run.physical.motion;
   const HalfSpace obstacle = nearest_obstacle(context, motion).obstacle;
   const RigidMotion rigid = rigid_motion(context.model.body.mass, motion.x, motion.v);
   const double speed = radius_about(rigid.centre, motion.x) * tangential(obstacle.normal, rigid.spin - obstacle.spin).norm();
@@ -146,11 +146,11 @@ double RestSteps::allowed(const StepContext& context, double h) const {
 
 /// To the end, unless energy is lost or a contact's state changes: then nothing is trusted any more.
 bool RestSteps::step_once(const Beside& at) {
-  Path& path = at.context.run.path;
-  StiffContact& stiff = path.stiff;
+  PhysicalState& physical = at.context.run.physical;
+  StiffContact& stiff = physical.stiff;
   {
-    const double most = use::event_share * allowed(at.context, at.end - path.motion.time);
-    Snapshot snapshot(path, start_);
+    const double most = use::event_share * allowed(at.context, at.end - physical.motion.time);
+    Snapshot snapshot(physical, start_);
     const Step taken = step(at, at.end);
     const bool steady =
         taken.status == StepStatus::ok && !tips(at.context) && event_of(at.context, taken.slip, taken.pressing, start_, most).error <= most;
@@ -166,10 +166,10 @@ bool RestSteps::step_once(const Beside& at) {
   return false;
 }
 
-/// The first step, no longer than to where an event lies that matters: next becomes its end. The path goes on from there.
+/// The first step, no longer than to where an event lies that matters: next becomes its end. The run goes on from there.
 RestSteps::Step RestSteps::step_before_event(const Beside& at, double& next, double allowed, ContactEvent& event) {
-  Path& path = at.context.run.path;
-  const double time = path.motion.time, whole = next - time;
+  PhysicalState& physical = at.context.run.physical;
+  const double time = physical.motion.time, whole = next - time;
   double length = whole, free = 0;  // free: without an event
   for (int tries = 0;; ++tries) {
     next = length == whole ? next : time + length;
@@ -184,48 +184,49 @@ RestSteps::Step RestSteps::step_before_event(const Beside& at, double& next, dou
       const Slip& slip = taken.slip;
       const double slows = slip.before - slip.along;
       if (last || length == whole || free > 0 || !(slows > 0)) return taken;
-      const double before = slip.before / slip.load * std::max(outlook_of_stiff(at.context, path.motion).along_plane, whole);
+      const double before = slip.before / slip.load * std::max(outlook_of_stiff(at.context, physical.motion).along_plane, whole);
       const double short_of = std::min(use::event_shrink, allowed / (2 * before));
       const double longer = std::min(length * slip.before / slows * (1 - short_of), whole);
       if (!(longer > 2 * length)) return taken;
       free = length;
       length = longer;
     }
-    assign(path, start_);
+    assign(physical, start_);
   }
 }
 
 StepStatus RestSteps::step_twice(const Beside& at, double next) {
   const StepContext& context = at.context;
-  Path& path = context.run.path;
-  StiffContact& stiff = path.stiff;
-  const double time = path.motion.time, wanted = next;
-  Snapshot snapshot(path, start_);
+  PhysicalState& physical = context.run.physical;
+  StiffContact& stiff = physical.stiff;
+  const double time = physical.motion.time, wanted = next;
+  Snapshot snapshot(physical, start_);
   ContactEvent event;
   Step taken = step_before_event(at, next, use::event_share * allowed(context, next - time), event);
   const double h = next - time;
   const bool cut = next != wanted;
-  LeftOver left{infinity};
+  FinalError left{infinity};
   double lost = 0;
   if (taken.status == StepStatus::ok) {
-    std::swap(coarse_, path);
+    std::swap(coarse_, physical);
     snapshot.rollback();
     for (const double until : {time + 0.5 * h, next}) {
       if (taken.status == StepStatus::ok) taken = step(at, until);
       lost += taken.lost;
     }
-    if (taken.status == StepStatus::ok) left = left_over(context, coarse_.motion, path.motion, outlook_of_stiff(context, path.motion));
+    if (taken.status == StepStatus::ok)
+      left = final_error(context, coarse_.motion, physical.motion, outlook_of_stiff(context, physical.motion));
   }
   const double error = left.size;
   const double most = allowed(context, h), factor = error > 0 ? use::window_safety * std::sqrt(most / error) : use::rest_growth;
   const bool quiet = std::abs(lost) < allowed_loss(context, taken.pressing);
   if (error <= most && quiet) {
     const bool easy = next == at.end && error < use::easy_rest * most;
-    if (easy) std::swap(path, coarse_);  // a step as those that are trusted: others would set off what is at rest
+    if (easy) std::swap(physical, coarse_);  // a step as those that are trusted: others would set off what is at rest
     if (h >= use::worth_resting * at.limit) stiff.doubts = 0;
     if (easy) left = left.times(2);
     left.size += event.error;
-    path.error.add(left);
+    physical.error.add(left);
     stiff.pressing = taken.pressing;
     const double longer = h * std::clamp(factor, use::next_shrink, use::rest_growth);
     if (!cut) stiff.step = factor < 1 ? longer : std::max(stiff.step, longer);  // the call may have ended before the step wanted
@@ -234,7 +235,7 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
     snapshot.commit();
     return StepStatus::ok;
   }
-  context.run.course.rejected += 2;
+  context.run.control.rejected += 2;
   snapshot.rollback();
   snapshot.commit();
   stiff.step = h * std::clamp(std::isfinite(error) ? factor : 0, use::window_shrink, quiet ? 0.5 : use::loss_shrink);
@@ -245,27 +246,27 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
 /// A step of backward Euler, its rigid motion by the mean velocity. settling: along the obstacles alone.
 RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   const StepContext& context = at.context;
-  Path& path = context.run.path;
-  before_ = path;
+  PhysicalState& physical = context.run.physical;
+  before_ = physical;
   const State& from = before_.motion;
   const double h = until - from.time;
-  path.clock = {from.time, h, 0};
+  physical.clock = {from.time, h, 0};
   const double most = std::max(at.integrators.patience(), use::doubled_work * h / at.limit);
   const Span span{from.time, 0, h, 1, most};
   const Vec3 faster = obstacle_acceleration(context, from);
   const Outcome outcome = faster.isZero(0) ? at.integrators.take(context, Method::backward_euler, span) : take_in_frame(at, faster, span);
-  context.run.course.work += outcome.work;
+  context.run.control.work += outcome.work;
   Step taken{.status = outcome.status, .slip = outcome.slip};
   if (taken.status != StepStatus::ok) return taken;
-  path.motion.time = until;
-  ++path.steps;
+  physical.motion.time = until;
+  ++physical.steps;
   taken.pressing = pressed_since(context, before_.exchange.planes) / h;
   if (!context.drive.pins.empty()) return taken;
-  x_ = path.motion.x;
+  x_ = physical.motion.x;
   const bool along = settling || context.model.body.samples;  // what rings, and a surface that rolls over its samples, has no mean turn
   follow_mean_velocity(context, before_, h, along);
   if (!along && !keep_in_front(context)) taken.status = StepStatus::not_finite;
-  context.model.body.internal_force(path.motion.x, path.motion.spring);
+  context.model.body.internal_force(physical.motion.x, physical.motion.spring);
   taken.lost = energy_lost(context, from, outcome.given);
   if (context.drive.watch) book_energies(context, from, x_, before_.exchange);
   return taken;
@@ -275,7 +276,7 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
 /// keeps its speed while it sticks, as backward Euler takes it to. Work of obstacles is given as seen from outside.
 Outcome RestSteps::take_in_frame(const Beside& at, const Vec3& acceleration, const Span& span) {
   const StepContext& context = at.context;
-  Path& path = context.run.path;
+  PhysicalState& physical = context.run.physical;
   drive_ = context.drive;
   for (Plane& plane : drive_.planes) {
     const double age = drive_.since - plane.since;
@@ -286,8 +287,8 @@ Outcome RestSteps::take_in_frame(const Beside& at, const Vec3& acceleration, con
   const auto see = [&](double sign, double time) {
     const double age = time - drive_.since;
     for (int axis = 0; axis < 3; ++axis) {
-      path.motion.x.col(axis) += sign * 0.5 * age * age * acceleration[axis];
-      path.motion.v.col(axis) += sign * age * acceleration[axis];
+      physical.motion.x.col(axis) += sign * 0.5 * age * age * acceleration[axis];
+      physical.motion.v.col(axis) += sign * age * acceleration[axis];
     }
   };
   for (int axis = 0; axis < 3; ++axis) drive_.force.col(axis) -= context.model.body.mass * acceleration[axis];
@@ -295,28 +296,28 @@ Outcome RestSteps::take_in_frame(const Beside& at, const Vec3& acceleration, con
   Outcome outcome = at.integrators.take({context.model, drive_, context.request, context.run}, Method::backward_euler, span);
   see(1, span.origin + span.h);
   Vec3 impulse = Vec3::Zero();
-  for (std::size_t q = 0; q < drive_.planes.size(); ++q) impulse -= path.exchange.planes[q].force - before_.exchange.planes[q].force;
+  for (std::size_t q = 0; q < drive_.planes.size(); ++q) impulse -= physical.exchange.planes[q].force - before_.exchange.planes[q].force;
   const double more = (span.origin + 0.5 * span.h - drive_.since) * impulse.dot(acceleration);
   outcome.given += more;
-  if (context.drive.watch) path.exchange.work += more;
+  if (context.drive.watch) physical.exchange.work += more;
   if (context.drive.watch && context.drive.ramped) {
     const double age = span.origin - drive_.since, way = 0.5 * span.h * (2 * age + span.h);
-    for (Eigen::Index i = 0; i < path.motion.x.size(); ++i)
-      path.exchange.work += way * acceleration[i / path.motion.x.rows()] * context.drive.ramp(i, span.origin + 0.5 * span.h);
+    for (Eigen::Index i = 0; i < physical.motion.x.size(); ++i)
+      physical.exchange.work += way * acceleration[i / physical.motion.x.rows()] * context.drive.ramp(i, span.origin + 0.5 * span.h);
   }
   return outcome;
 }
 
 /// Brings the body as a whole back onto the obstacles that it touched before it was moved, and off those that it was moved behind.
 bool RestSteps::keep_in_front(const StepContext& context) {
-  Path& path = context.run.path;
-  State& motion = path.motion;
+  PhysicalState& physical = context.run.physical;
+  State& motion = physical.motion;
   for (int round = 0; round < 3; ++round)
     for (std::size_t q = 0; q < context.drive.planes.size(); ++q) {
       const HalfSpace obstacle = context.drive.planes[q].at(motion.time);
       double least = infinity;
       for (int p = 0; p < motion.x.rows(); ++p) least = std::min(least, obstacle.gap(row(motion.x, p)));
-      const bool touched = path.exchange.planes[q].force != before_.exchange.planes[q].force;
+      const bool touched = physical.exchange.planes[q].force != before_.exchange.planes[q].force;
       if (least < 0 || (touched && round == 0))
         for (int axis = 0; axis < 3; ++axis) motion.x.col(axis) -= least * obstacle.normal[axis];
     }

@@ -33,7 +33,7 @@ class RestSteps {
   Outcome take_in_frame(const Beside& at, const Vec3& acceleration, const Span& span);
   bool keep_in_front(const StepContext& context);
 
-  Path start_, before_, coarse_;
+  PhysicalState start_, before_, coarse_;
   std::vector<HalfSpace> obstacles_;
   Points x_;
   Drive drive_;  ///< as the accelerated observer has it

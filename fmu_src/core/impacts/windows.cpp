@@ -51,7 +51,7 @@ namespace use = thresholds;
 /// How loud the vibrations are: their kinetic energy with that of free bodies' motion beside the object [J], of a pinned body, which
 /// nothing has to press on, their size [m].
 double loudness(const StepContext& context) {
-  const State& motion = context.run.path.motion;
+  const State& motion = context.run.physical.motion;
   if (context.drive.pins.empty()) {
     double energy = kinetic_deformation(context.model.body, motion);
     if (context.drive.free.empty()) return energy;
@@ -70,10 +70,10 @@ double loudness(const StepContext& context) {
 
 /// What presses the object on obstacles, or a free body on what holds it, least [N]: nothing where loads grow.
 double least_pressing(const StepContext& context) {
-  const StiffContact& stiff = context.run.path.stiff;
+  const StiffContact& stiff = context.run.physical.stiff;
   double least = stiff.impulse / stiff.listened;
   for (const FreeMotion& each : context.drive.free) {
-    const Vec3 force = each.loads(context.run.path.motion.free[each.index()]).force;
+    const Vec3 force = each.loads(context.run.physical.motion.free[each.index()]).force;
     const double along = each.body().guided() ? std::abs(each.body().guide.dot(force)) : force.norm();
     least = each.loads_grow() ? 0 : std::min(least, along);
   }
@@ -82,7 +82,7 @@ double least_pressing(const StepContext& context) {
 
 /// Whether they cannot move the body by what matters, pressed on as it was while it was listened to.
 bool quiet(const StepContext& context) {
-  const StiffContact& stiff = context.run.path.stiff;
+  const StiffContact& stiff = context.run.physical.stiff;
   if (!context.drive.pins.empty()) return stiff.loudest <= use::quiet * context.request.tolerance;
   const double pressing = least_pressing(context);
   return pressing > 0 && 2 * stiff.loudest <= allowed_loss(context, pressing);
@@ -96,52 +96,53 @@ double allowed_loss(const StepContext& context, double pressing) {
 
 StepStatus Windows::run(const Beside& at, Flights& flights) {
   const StepContext& context = at.context;
-  Path& path = context.run.path;
-  Course& course = context.run.course;
-  StiffContact& stiff = path.stiff;
+  PhysicalState& physical = context.run.physical;
+  ControllerState& control = context.run.control;
+  StiffContact& stiff = physical.stiff;
   const double tolerance = context.request.tolerance * power(context.request.step_factor, 2);
-  const double begun = path.motion.time, until = std::min(at.end, begun + use::longest_window * use::look_steps * at.limit);
+  const double begun = physical.motion.time, until = std::min(at.end, begun + use::longest_window * use::look_steps * at.limit);
   const bool fresh = stiff.phase == Phase::impact;
   const Phase after = fresh && begun - stiff.since < use::impact_length * at.limit ? Phase::impact : Phase::contact;
   const double least = use::finest_window * at.limit;
-  course.method = Method::leapfrog;
-  course.reason = Reason::impact;
+  control.method = Method::leapfrog;
+  control.reason = Reason::impact;
   stiff.phase = after;
-  const bool lost = path.total_error() > use::lost * tolerance, flown = context.drive.pins.empty() && flights.has_modes(context.model.body);
+  const bool lost = physical.total_error() > use::lost * tolerance,
+             flown = context.drive.pins.empty() && flights.has_modes(context.model.body);
   if (lost || (!fresh && stiff.trust > 0 && !off_obstacles(context, touching))) {
     if (!lost) --stiff.trust;
-    start_ = path;
+    start_ = physical;
     stiff.flown = 0;
     const double h = lost && flown ? use::after_flight * at.limit : at.limit;
     const StepStatus status = listen(at, flights, h, until, true);
     stiff.settling = stiff.phase == Phase::rest;
-    if (status == StepStatus::ok && !follow(at) && !lost) path.error.add(stiff.trusted);
+    if (status == StepStatus::ok && !follow(at) && !lost) physical.error.add(stiff.trusted);
     return status;
   }
-  Snapshot snapshot(path, start_);
+  Snapshot snapshot(physical, start_);
   double h = fresh ? 0.5 * at.limit : at.limit;
   StepStatus status = listen(at, flights, h, until, true);
   for (int tries = 0;; ++tries) {
     if (status != StepStatus::ok) return status;
-    const Phase next = path.stiff.phase;
-    const double reached = path.motion.time;
-    std::swap(coarse_, path);
+    const Phase next = physical.stiff.phase;
+    const double reached = physical.motion.time;
+    std::swap(coarse_, physical);
     const bool rings = (fresh || next == Phase::flight) && context.drive.pins.empty() && flights.has_modes(context.model.body);
     snapshot.rollback();
-    const Count taken = path.steps;
+    const Count taken = physical.steps;
     status = listen(at, flights, 0.5 * h, reached, false);
     if (status != StepStatus::ok) return status;
-    const Outlook ahead = outlook(context, path.motion);
-    LeftOver left = left_over(context, coarse_.motion, path.motion, ahead).times(1.0 / 3);
+    const Outlook ahead = outlook(context, physical.motion);
+    FinalError left = final_error(context, coarse_.motion, physical.motion, ahead).times(1.0 / 3);
     const Flights::PhaseError phase = rings ? flights.phase_error(at, coarse_.motion, ahead) : Flights::PhaseError();
     left.size = std::max(left.size, phase.at_impact);
     const double error = left.size;
     const double exact = use::window_share * tolerance / (1 + phase.gain);
     const double known = fresh && stiff.unknown > use::hopeless * tolerance ? use::share_of_known * stiff.unknown : 0;
-    const double allowed = std::max(path.total_error() > exact ? use::window_share * tolerance : exact, known);
+    const double allowed = std::max(physical.total_error() > exact ? use::window_share * tolerance : exact, known);
     if (error <= allowed || 0.5 * h <= least || tries == use::most_window_tries) {
       const bool easy = !fresh && tries == 0 && 4 * error < use::easy * allowed;
-      if (easy) std::swap(path, coarse_);  // steps as those that are trusted: other ones would set off what is at rest
+      if (easy) std::swap(physical, coarse_);  // steps as those that are trusted: other ones would set off what is at rest
       stiff.trusted.learn(left.times(4));
       stiff.phase = next;
       stiff.settling = next == Phase::rest;
@@ -149,14 +150,14 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
       stiff.next_trust = easy ? std::min(2 * stiff.next_trust, use::longest_window_trust) : 1;
       stiff.flown = (easy ? 1 : 1.0 / 3) * phase.apart;
       snapshot.commit();
-      if (!follow(at)) path.error.add(easy ? left.times(4) : left);
+      if (!follow(at)) physical.error.add(easy ? left.times(4) : left);
       return StepStatus::ok;
     }
-    course.rejected += path.steps - taken;
+    control.rejected += physical.steps - taken;
     const double factor = std::clamp(use::window_safety * std::sqrt(allowed / error), use::window_shrink, 0.5);
     const double smaller = std::max(h * factor, std::min(0.5 * h, 2 * least));
     if (smaller == 0.5 * h) {  // the finer run is the next coarse one
-      path.stiff.phase = next;
+      physical.stiff.phase = next;
     } else {
       snapshot.rollback();
       status = listen(at, flights, smaller, until, true);
@@ -174,17 +175,17 @@ double Windows::flown(const StepContext& context) const {
 /// rests, so does the neighbour. Returns whether that is known.
 bool Windows::follow(const Beside& at) {
   const StepContext& context = at.context;
-  const Path& path = context.run.path;
-  const Neighbour& neighbour = context.run.course.neighbour;
-  const double begun = start_.motion.time, length = path.motion.time - begun;
-  const Count steps = divisions(length, Landings::lands(context, begun, impacts_ > 0) ? at.limit : path.clock.h);  // cut where it lands
+  const PhysicalState& physical = context.run.physical;
+  const Neighbour& neighbour = context.run.control.neighbour;
+  const double begun = start_.motion.time, length = physical.motion.time - begun;
+  const Count steps = divisions(length, Landings::lands(context, begun, impacts_ > 0) ? at.limit : physical.clock.h);  // cut where it lands
   landings_.follow(at.integrators, context, start_.motion, Method::leapfrog, {begun, 0, length / double(steps), steps}, impacts_ > 0,
                    start_.stiff.phase == Phase::impact ? flown(context) : 0);
-  if (neighbour.off.time != path.motion.time) return false;
+  if (neighbour.off.time != physical.motion.time) return false;
   if (!neighbour.follows) return true;
-  StiffContact& stiff = context.run.path.stiff;
+  StiffContact& stiff = context.run.physical.stiff;
   const bool flies = stiff.phase == Phase::flight;
-  if (flies && path.motion.time - neighbour.began <= slowest_period(context))
+  if (flies && physical.motion.time - neighbour.began <= slowest_period(context))
     stiff.phase = Phase::contact;
   else if (flies || stiff.phase == Phase::rest)
     landings_.part(context, flies);
@@ -194,9 +195,9 @@ bool Windows::follow(const Beside& at) {
 /// Explicit steps of h, with looks at the same times whatever h is: until the phase changes, if that is to be decided here, or `until`.
 StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double until, bool decide) {
   const StepContext& context = at.context;
-  Path& path = context.run.path;
-  State& motion = path.motion;
-  StiffContact& stiff = path.stiff;
+  PhysicalState& physical = context.run.physical;
+  State& motion = physical.motion;
+  StiffContact& stiff = physical.stiff;
   const double stretch = use::look_steps * at.limit;
   bool quiet_now = false;
   impacts_ = 0;
@@ -204,15 +205,15 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
     const bool last = until - begun <= stretch * (1 + 1e-9);
     const double length = last ? until - begun : stretch;
     const Count steps = divisions(length, h), quarter = std::max(Count{1}, steps / 4);
-    path.clock = {begun, length / double(steps), 0};
-    pushed_ = path.exchange.planes;
-    const Count contacts = path.exchange.contacts_resolved;
+    physical.clock = {begun, length / double(steps), 0};
+    pushed_ = physical.exchange.planes;
+    const Count contacts = physical.exchange.contacts_resolved;
     for (Count i = 0; i < steps; i += quarter) {
-      const Span span{begun, i, path.clock.h, std::min(quarter, steps - i)};
+      const Span span{begun, i, physical.clock.h, std::min(quarter, steps - i)};
       const Outcome outcome = at.integrators.take(context, Method::leapfrog, span);
-      context.run.course.work += outcome.work;
+      context.run.control.work += outcome.work;
       impacts_ += outcome.impacts;
-      path.steps += span.steps;
+      physical.steps += span.steps;
       if (outcome.status != StepStatus::ok) return outcome.status;
       motion.time = i + quarter >= steps ? (last ? until : begun + length) : span.time(span.steps);
       stiff.loudest = std::max(stiff.loudest, loudness(context));
@@ -220,7 +221,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
     stiff.impulse += pressed_since(context, pushed_);
     stiff.listened += length;
     ++stiff.looks;
-    const bool touched = path.exchange.contacts_resolved != contacts;
+    const bool touched = physical.exchange.contacts_resolved != contacts;
     const double period = slowest_period(context);
     const bool heard = double(stiff.looks) >= std::max(double(use::least_looks << stiff.doubts), period / stretch);
     const bool rests = heard && (touched || !context.drive.pins.empty()) && quiet(context);

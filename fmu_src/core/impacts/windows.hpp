@@ -15,7 +15,8 @@ double allowed_loss(const StepContext& context, double pressing);
 
 class Windows {
  public:
-  explicit Windows(const Run& run) : start_(run.path), coarse_(run.path), landings_(run), pushed_(run.path.exchange.planes.size()) {}
+  explicit Windows(const Run& run)
+      : start_(run.physical), coarse_(run.physical), landings_(run), pushed_(run.physical.exchange.planes.size()) {}
   /// One window; sets the phase that follows.
   StepStatus run(const Beside& at, Flights& flights);
 
@@ -24,7 +25,7 @@ class Windows {
   double flown(const StepContext& context) const;
   StepStatus listen(const Beside& at, Flights& flights, double h, double until, bool decide);
 
-  Path start_, coarse_;
+  PhysicalState start_, coarse_;
   Landings landings_;
   Count impacts_ = 0;            ///< of the last listening
   std::vector<Impulse> pushed_;  ///< on each obstacle before a stretch

@@ -18,28 +18,28 @@ constexpr double buckling_work = 1e6;
 namespace use = thresholds;
 
 StepStatus run_implicit(Integrators& integrators, const StepContext& context, Method method, double end) {
-  Path& path = context.run.path;
-  const double begin = path.motion.time, H = end - begin;
+  PhysicalState& physical = context.run.physical;
+  const double begin = physical.motion.time, H = end - begin;
   const Budget& budget = integrators.budget();
-  context.run.course.method = method;
+  context.run.control.method = method;
   const double wanted = (context.request.step > 0 ? H / context.request.step : 1) / context.request.step_factor;
   const double least = wanted * traits(method).work;
   if (!budget.covers(least)) return refusal(least);
   const Count steps = std::max(Count{1}, Count(std::llround(wanted)));
-  path.clock = {begin, H / double(steps), 0};
+  physical.clock = {begin, H / double(steps), 0};
   // Where it finds no way, a step may take as long as explicit steps would, which are tried with several sizes and cost more in contact.
   const double longest = step_limit(context, Method::leapfrog, false);
   const double explicit_work =
-      use::doubled_work * step_work(context.model.body, context.drive, context.run, Method::leapfrog, longest) * path.clock.h / longest;
+      use::doubled_work * step_work(context.model.body, context.drive, context.run, Method::leapfrog, longest) * physical.clock.h / longest;
   const double most_work = std::max(explicit_work, use::buckling_work);
   for (Count i = 0; i < steps; ++i) {
-    const double next = i + 1 == steps ? end : path.clock.origin + double(i + 1) * path.clock.h;
-    const Span span{path.motion.time, 0, next - path.motion.time, 1, most_work};
+    const double next = i + 1 == steps ? end : physical.clock.origin + double(i + 1) * physical.clock.h;
+    const Span span{physical.motion.time, 0, next - physical.motion.time, 1, most_work};
     const Outcome outcome = integrators.take(context, method, span);
-    context.run.course.work += outcome.work;
+    context.run.control.work += outcome.work;
     if (outcome.status != StepStatus::ok) return outcome.status;
-    path.motion.time = next;
-    ++path.steps;
+    physical.motion.time = next;
+    ++physical.steps;
   }
   return StepStatus::ok;
 }

@@ -19,7 +19,7 @@ namespace {
 
 /// Whether a number tells the body's points apart there: further away rounding is larger than the body.
 bool tells_apart(const StepContext& context) {
-  const Points& x = context.run.path.motion.x;
+  const Points& x = context.run.physical.motion.x;
   return rounding * kernels::largest(x.size(), x.data()) <= context.model.body.length;  // not where one is no number
 }
 
@@ -60,7 +60,7 @@ Count Integrators::factorizations() const {
 Outcome Integrators::take(const StepContext& context, Method method, const Span& span) {
   Outcome outcome{.status = StepStatus::too_much_work};
   if (budget_.spent()) return outcome;
-  const Count& contacts = context.run.path.exchange.contacts_resolved;
+  const Count& contacts = context.run.physical.exchange.contacts_resolved;
   const Count before = contacts;
   const Span within{span.origin, span.first, span.h, span.steps, span.most_work, budget_.left(), span.way, span.again};
   outcome = followed_ ? take_followed(context, method, within) : take_span(context, method, within);
@@ -89,7 +89,7 @@ Outcome Integrators::take_followed(const StepContext& context, Method method, co
 Outcome Integrators::take_span(const StepContext& context, Method method, const Span& span) {
   Integrator& integrator = (*this)[method];
   if (context.drive.planes.empty() || resolves_contact(method)) return integrator.advance(context.model, context.drive, span, context.run);
-  const State& motion = context.run.path.motion;
+  const State& motion = context.run.physical.motion;
   Outcome total;
   for (Count i = 0; i < span.steps && total.status == StepStatus::ok; ++i) {
     x0_ = motion.x;

@@ -18,7 +18,7 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Of the neighbour for one of the path at an impact, at most [1].
+/// Most steps of the neighbour for one step of the run at an impact [1].
 constexpr double impact_steps = 8;
 /// Work of a step in contact, in that of one without, as it is taken beforehand [1].
 constexpr double most_of_contact = 4;
@@ -60,10 +60,10 @@ void fly_on(const Model& model, const State& begin, const RigidMotion& rigid, co
 }
 
 /// A free body's state that differed by this so long ago.
-FreeState fly_beside(const FreeMotion& body, const FreeState& path, FreeState apart, double time) {
+FreeState fly_beside(const FreeMotion& body, const FreeState& physical, FreeState apart, double time) {
   apart.position += time * apart.velocity;
-  apart.orientation = turned(apart.orientation, time * (body.spin(beside(path, apart)) - body.spin(path)));
-  return beside(path, apart);
+  apart.orientation = turned(apart.orientation, time * (body.spin(beside(physical, apart)) - body.spin(physical)));
+  return beside(physical, apart);
 }
 
 /// Moves vibrations on in their phase until a place is off by so much [m], though not by more than they are large.
@@ -79,9 +79,9 @@ void shift_phase(const Body& body, const State& begin, const RigidMotion& rigid,
   for (int p = 0; p < body.points(); ++p) set_row(x, p, row(x, p) + time * own(p));
 }
 
-/// The same time in steps that are out of phase with the path's: what comes onto an obstacle in which step is then not the same by
+/// The same time in steps that are out of phase with those of the run: what comes onto an obstacle in which step is then not the same by
 /// accident. Where it lands they are many times shorter: what comes within a step is taken to come at once, and which place comes
-/// first decides. None is shorter than the path's may be.
+/// first decides. None is shorter than those of the run may be.
 Span out_of_phase(const StepContext& context, const Span& span, bool lands) {
   const double limit = step_limit(context, Method::leapfrog, false);
   const double times = lands ? std::clamp(span.h / shortest_in_contact(context, limit), 1.0, use::impact_steps) : 1;
@@ -97,20 +97,20 @@ bool move_out(const StepContext& context, const NearestObstacle& nearest, Points
     const Vec3 along = free->body().guided() ? free->body().guide : normal;
     const double share = along.dot(normal);
     if (std::abs(share) < use::least_share_of_guide) return false;
-    context.run.path.motion.free[free->index()].position += nearest.gap / share * along;
+    context.run.physical.motion.free[free->index()].position += nearest.gap / share * along;
     return true;
   }
   if (context.drive.held()) return false;
   const Vec3 way = -nearest.gap * normal;
   add(way, x);
   for (const FreeMotion& each : context.drive.free)
-    if (each.part()) context.run.path.motion.free[each.index()].position += way;
+    if (each.part()) context.run.physical.motion.free[each.index()].position += way;
   return true;
 }
 
 /// Moves the body at x, and free obstacles, out of all. Returns whether that is done: from within one contact would throw them off.
 bool free_of_obstacles(const StepContext& context, State& beside) {
-  std::vector<FreeState>& free = context.run.path.motion.free;
+  std::vector<FreeState>& free = context.run.physical.motion.free;
   for (int round = 0; round < use::most_ways_out; ++round) {
     bool moved = false;
     if (!free.empty()) {
@@ -122,10 +122,10 @@ bool free_of_obstacles(const StepContext& context, State& beside) {
   return false;
 }
 
-/// A landing begins: the neighbour goes on from beside the path. beside: scratch.
+/// A landing begins: the neighbour starts beside the run. beside: scratch.
 void set_beside(const StepContext& context, const State& begin, State& beside, double flown) {
   const Body& body = context.model.body;
-  Neighbour& neighbour = context.run.course.neighbour;
+  Neighbour& neighbour = context.run.control.neighbour;
   const RigidMotion rigid = rigid_motion(body.mass, begin.x, begin.v);
   if (context.drive.pins.empty()) fly_on(context.model, begin, rigid, nearest_obstacle(context, begin).obstacle.normal, neighbour);
   const double least = flown > 0 ? flown : use::least_error * context.request.tolerance;
@@ -133,15 +133,15 @@ void set_beside(const StepContext& context, const State& begin, State& beside, d
   beside.time = begin.time;
   beside.x = begin.x + neighbour.x;
   for (const FreeMotion& each : context.drive.free) {
-    const FreeState& path = begin.free[each.index()];
+    const FreeState& physical = begin.free[each.index()];
     FreeState& own = neighbour.free[each.index()];
-    own = fly_beside(each, path, own, begin.time - neighbour.off.time);
+    own = fly_beside(each, physical, own, begin.time - neighbour.off.time);
   }
-  context.run.path.motion.free = neighbour.free;
+  context.run.physical.motion.free = neighbour.free;
   if (!free_of_obstacles(context, beside)) return neighbour.forget();
   neighbour.x = beside.x;
   neighbour.v += begin.v;
-  neighbour.free = context.run.path.motion.free;
+  neighbour.free = context.run.physical.motion.free;
   neighbour.follows = true;
   neighbour.landed = false;
   neighbour.began = begin.time;
@@ -149,7 +149,7 @@ void set_beside(const StepContext& context, const State& begin, State& beside, d
 
 /// What is left of a difference of velocities where the body stays on its obstacle: along it, until friction has stopped the body.
 Drift sliding_apart(const StepContext& context, const Vec3& velocity) {
-  const State& motion = context.run.path.motion;
+  const State& motion = context.run.physical.motion;
   const Outlook ahead = outlook(context, motion);
   const NearestObstacle nearest = nearest_obstacle(context, motion);
   const RigidMotion rigid = rigid_motion(context.model.body.mass, motion.x, motion.v);
@@ -161,69 +161,69 @@ Drift sliding_apart(const StepContext& context, const Vec3& velocity) {
 }  // namespace
 
 bool Landings::lands(const StepContext& context, double time, bool impact) {
-  const Neighbour& neighbour = context.run.course.neighbour;
+  const Neighbour& neighbour = context.run.control.neighbour;
   return impact && !(neighbour.follows && time - neighbour.began > slowest_period(context));
 }
 
 void Landings::follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span,
                       bool impact, double flown, bool anyway) {
-  Path& path = context.run.path;
-  Neighbour& neighbour = context.run.course.neighbour;
+  PhysicalState& physical = context.run.physical;
+  Neighbour& neighbour = context.run.control.neighbour;
   if (neighbour.follows && neighbour.off.time != begin.time) neighbour.forget();  // other steps came between
   if (!neighbour.follows) {
     if (!impact) return;
     std::vector<FreeState> end = begin.free;  // free obstacles are where they were
-    end.swap(path.motion.free);
-    if (anyway || off_obstacles(context, begin.time, begin.x)) set_beside(context, begin, path_.motion, flown);
-    end.swap(path.motion.free);
+    end.swap(physical.motion.free);
+    if (anyway || off_obstacles(context, begin.time, begin.x)) set_beside(context, begin, physical_.motion, flown);
+    end.swap(physical.motion.free);
     if (!neighbour.follows) return;
   }
   const Span own = method == Method::leapfrog ? out_of_phase(context, span, lands(context, begin.time, impact)) : span;
   const double work = use::most_of_contact * double(own.steps) * step_work(context.model.body, context.drive, context.run, method, own.h);
   if (!integrators.budget().covers(work)) return neighbour.forget();
-  if (impact) neighbour.impact = path.motion.time;
-  Snapshot snapshot(path, path_);
-  path.motion.x = neighbour.x;
-  path.motion.v = neighbour.v;
-  path.motion.free = neighbour.free;
-  path.motion.time = begin.time;
-  context.model.body.internal_force(path.motion.x, path.motion.spring);
+  if (impact) neighbour.impact = physical.motion.time;
+  Snapshot snapshot(physical, physical_);
+  physical.motion.x = neighbour.x;
+  physical.motion.v = neighbour.v;
+  physical.motion.free = neighbour.free;
+  physical.motion.time = begin.time;
+  context.model.body.internal_force(physical.motion.x, physical.motion.spring);
   const Outcome outcome = integrators.take(context, method, own);
-  neighbour.x = path.motion.x;
-  neighbour.v = path.motion.v;
-  neighbour.free = path.motion.free;
+  neighbour.x = physical.motion.x;
+  neighbour.v = physical.motion.v;
+  neighbour.free = physical.motion.free;
   neighbour.landed = neighbour.landed || outcome.impacts > 0;
-  const bool alone = off_obstacles(context, path.motion.time, path.motion.x);
+  const bool alone = off_obstacles(context, physical.motion.time, physical.motion.x);
   snapshot.rollback();
   snapshot.commit();
-  const Points& x = path.motion.x;
+  const Points& x = physical.motion.x;
   const double place = (neighbour.x - x).abs().maxCoeff();
   if (outcome.status != StepStatus::ok || !std::isfinite(place)) return neighbour.forget();
-  neighbour.off = {place, 0, path.motion.time};
+  neighbour.off = {place, 0, physical.motion.time};
   for (const FreeMotion& each : context.drive.free) {
     const std::size_t k = each.index();
-    neighbour.off.place = worse(neighbour.off.place, free_apart(context, each, path.motion.free[k], neighbour.free[k]).place);
+    neighbour.off.place = worse(neighbour.off.place, free_apart(context, each, physical.motion.free[k], neighbour.free[k]).place);
   }
-  const bool flies = alone && off_obstacles(context, path.motion.time, x);
-  if ((flies && neighbour.landed) || path.motion.time - neighbour.impact > slowest_period(context)) part(context, flies);
+  const bool flies = alone && off_obstacles(context, physical.motion.time, x);
+  if ((flies && neighbour.landed) || physical.motion.time - neighbour.impact > slowest_period(context)) part(context, flies);
 }
 
 void Landings::part(const StepContext& context, bool flies) {
   const Body& body = context.model.body;
-  const State& motion = context.run.path.motion;
-  Neighbour& neighbour = context.run.course.neighbour;
+  const State& motion = context.run.physical.motion;
+  Neighbour& neighbour = context.run.control.neighbour;
   neighbour.x -= motion.x;
   neighbour.v -= motion.v;
   neighbour.follows = false;
   for (const FreeMotion& each : context.drive.free) {
-    const FreeState& path = motion.free[each.index()];
+    const FreeState& physical = motion.free[each.index()];
     FreeState& own = neighbour.free[each.index()];
-    const auto [place, speed] = free_apart(context, each, path, own);
+    const auto [place, speed] = free_apart(context, each, physical, own);
     if (flies)
       neighbour.off.speed = std::max(neighbour.off.speed, speed);
     else
       neighbour.off.place = std::max(neighbour.off.place, swing_time(context, each) * speed);
-    own = difference(path, own);
+    own = difference(physical, own);
   }
   if (std::ranges::any_of(context.drive.free, &FreeMotion::part)) return neighbour.forget();  // a difference would tear it off
   if (!context.drive.pins.empty()) return;

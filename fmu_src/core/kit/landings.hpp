@@ -16,18 +16,18 @@ namespace softffd {
 
 class Landings {
  public:
-  explicit Landings(const Run& run) : path_(run.path) {}
-  /// The path has come from begin by these steps, or by twice as many. impact: something came onto an obstacle. flown: what
+  explicit Landings(const Run& run) : physical_(run.physical) {}
+  /// The run has come from begin by these steps, or by twice as many. impact: something came onto an obstacle. flown: what
   /// vibrations may be off by when they land [m]; 0: it is not known. anyway: even where something touched before.
   void follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span, bool impact,
               double flown = 0, bool anyway = false);
   /// Whether steps from this time on are of a landing, in which the neighbour's are short; else it rattles.
   static bool lands(const StepContext& context, double time, bool impact);
-  /// The neighbour and the path no longer take the same steps: what they differ by is kept.
+  /// The neighbour is no longer integrated beside the run; their difference is kept.
   void part(const StepContext& context, bool flies);
 
  private:
-  Path path_;
+  PhysicalState physical_;
 };
 
 }  // namespace softffd

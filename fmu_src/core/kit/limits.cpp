@@ -57,29 +57,29 @@ double spin(const Model& model, const Points& x, const Points& v) { return rigid
 }  // namespace
 
 double bound(const StepContext& context) {
-  Course& course = context.run.course;
-  if (course.bound < 0 || deformed_since_bound(context)) {
+  ControllerState& control = context.run.control;
+  if (control.bound < 0 || deformed_since_bound(context)) {
     const Body& body = context.model.body;
-    course.bound = context.model.stability.frequency(body, context.run.path.motion.x);
-    course.damping_bound = body.damping_rate_at(context.run.path.motion.x);
-    course.bound_x.change() = context.run.path.motion.x;
+    control.bound = context.model.stability.frequency(body, context.run.physical.motion.x);
+    control.damping_bound = body.damping_rate_at(context.run.physical.motion.x);
+    control.bound_x.change() = context.run.physical.motion.x;
   }
-  return course.bound;
+  return control.bound;
 }
 
 double damping_bound(const StepContext& context) {
   bound(context);  // both are renewed at the same moments
-  return context.run.course.damping_bound;
+  return context.run.control.damping_bound;
 }
 
 bool deformed_since_bound(const StepContext& context) {
-  return context.model.body.has_deformed(context.run.path.motion.x, *context.run.course.bound_x);
+  return context.model.body.has_deformed(context.run.physical.motion.x, *context.run.control.bound_x);
 }
 
 double step_limit(const StepContext& context, Method method, bool given) {
   double limit = infinity;
   const Traits& t = traits(method);
-  const State& motion = context.run.path.motion;
+  const State& motion = context.run.physical.motion;
   if (context.model.stability.elastic()) limit = (given ? t.given : t.automatic) * 2 / bound(context);
   if (!given && t.long_run < 1 && context.request.horizon * bound(context) > thresholds::long_run) limit *= t.long_run;
   if (!given && method == Method::leapfrog && context.model.body.dashpots()) {
@@ -108,7 +108,7 @@ double shortest_in_contact(const StepContext& context, double limit) {
 double turning_limit(const StepContext& context, const Points& x, const Points& v) {
   double fastest = spin(context.model, x, v);
   for (const FreeMotion& each : context.drive.free) fastest = worse(fastest, each.spin(each.state()).norm());
-  for (const Pin& pin : context.drive.pins) fastest = worse(fastest, pin.at(context.run.path.motion.time).spin.norm());
+  for (const Pin& pin : context.drive.pins) fastest = worse(fastest, pin.at(context.run.physical.motion.time).spin.norm());
   return tighter(thresholds::stiffest / bound(context),
                  tighter(std::sqrt(thresholds::straight_turn / (bound(context) * fastest)), thresholds::straight_angle / fastest));
 }

@@ -6,7 +6,7 @@
 
 namespace softffd {
 
-/// Upper bound of omega at the present state [rad/s]; computed anew only when the body has deformed since (run.course.bound).
+/// Upper bound of omega at the present state [rad/s]; computed anew only when the body has deformed since (run.control.bound).
 double bound(const StepContext& context);
 /// Of the rate of damping [1/s], renewed with it.
 double damping_bound(const StepContext& context);

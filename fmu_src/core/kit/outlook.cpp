@@ -51,7 +51,7 @@ double lasting(const StepContext& context) {
 
 /// Acceleration that the outside forces give the whole body [m/s2].
 Vec3 whole_acceleration(const StepContext& context) {
-  const double t = context.run.path.motion.time;
+  const double t = context.run.physical.motion.time;
   Vec3 sum = Vec3::Zero();
   for (int axis = 0; axis < 3; ++axis) {
     sum[axis] = context.drive.force.col(axis).sum();
@@ -152,7 +152,7 @@ void look_for_fall(const StepContext& context, const State& state, Outlook& ahea
 }  // namespace
 
 double left_of_run(const StepContext& context) {
-  const double horizon = context.request.horizon, time = context.run.path.motion.time;
+  const double horizon = context.request.horizon, time = context.run.physical.motion.time;
   return time < horizon ? std::max(horizon - time, use::least_left * horizon) : horizon;
 }
 
@@ -175,13 +175,13 @@ NearestObstacle nearest_obstacle(const StepContext& context, const State& state)
 }
 
 double pressed_since(const StepContext& context, const std::vector<Impulse>& before) {
-  const std::vector<Impulse>& now = context.run.path.exchange.planes;
+  const std::vector<Impulse>& now = context.run.physical.exchange.planes;
   double most = 0;
   for (std::size_t q = 0; q < now.size(); ++q) {
     const Plane& obstacle = context.drive.planes[q];
     const Vec3 force = now[q].force - before[q].force;
     most = std::max(most, std::abs(obstacle.solid() ? now[q].pressed - before[q].pressed
-                                                    : force.dot(obstacle.at(context.run.path.motion.time).normal)));
+                                                    : force.dot(obstacle.at(context.run.physical.motion.time).normal)));
   }
   return most;
 }
@@ -240,7 +240,7 @@ Outlook outlook_of_stiff(const StepContext& context, const State& state) {
 
 /// A position error e shifts the touch by e / v, the phase of the vibration by omega e / v, and the rebound by a share of its velocity.
 void book_unknown_phase(const StepContext& context, const State& state, double energy, double frequency, double known) {
-  StiffContact& stiff = context.run.path.stiff;
+  StiffContact& stiff = context.run.physical.stiff;
   const RigidMotion rigid = rigid_motion(context.model.body.mass, state.x, state.v);
   const double error = std::max(known, use::least_error * context.request.tolerance);
   const double phase = std::min(1.0, frequency * error / approach_speed(context, state, rigid, radius_about(rigid.centre, state.x)));
@@ -262,8 +262,8 @@ double swing_time(const StepContext& context, const FreeMotion& body) {
 }
 
 double free_bodies_apart(const StepContext& context, const State& a, const State& b, bool swing) {
-  const Path& path = context.run.path;
-  const std::vector<Count>& rows = is_implicit(context.run.course.method) ? path.motion.held_rows.rows : path.surface.drift;
+  const PhysicalState& physical = context.run.physical;
+  const std::vector<Count>& rows = is_implicit(context.run.control.method) ? physical.motion.held_rows.rows : physical.surface.drift;
   const bool touches = swing || (!rows.empty() && rows.front() >= 0);
   const double left = left_of_run(context);
   double most = 0;
@@ -324,7 +324,7 @@ double lasting_part(const StepContext& context, const State& a, const State& b, 
   return std::min(size, place + grown);
 }
 
-LeftOver left_over(const StepContext& context, const State& a, const State& b, const Outlook& ahead, double stretch) {
+FinalError final_error(const StepContext& context, const State& a, const State& b, const Outlook& ahead, double stretch) {
   const Body& body = context.model.body;
   double error = free_bodies_apart(context, a, b, false);
   for (int i = 0; i < a.x.size(); ++i)

@@ -60,7 +60,7 @@ double swing_time(const StepContext& context, const FreeMotion& body);
 /// where `swing`, swings with it, and so does a part that is bonded to a body that other pins hold; what flies goes on.
 double free_bodies_apart(const StepContext& context, const State& a, const State& b, bool swing);
 /// What two states will differ by at the end of the run, its size infinite where one is not finite.
-LeftOver left_over(const StepContext& context, const State& a, const State& b, const Outlook& ahead, double stretch = 0);
+FinalError final_error(const StepContext& context, const State& a, const State& b, const Outlook& ahead, double stretch = 0);
 /// Of that size, of a body that no pin holds, what is left when what is across the obstacle and what rings has died away [m].
 double lasting_part(const StepContext& context, const State& a, const State& b, const Outlook& ahead, double size);
 

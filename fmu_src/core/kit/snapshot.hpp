@@ -1,5 +1,5 @@
-/// A snapshot of a Run, or of its Path alone, to try what follows: goes back to it by itself unless that is committed. The buffer is the
-/// caller's, so that nothing is allocated, and holds the snapshot until the next one.
+/// A snapshot of a Run, or of its PhysicalState alone, taken before a trial. Its destructor restores it unless it was committed. The
+/// caller owns the buffer, so that nothing is allocated; the buffer holds the snapshot until the next one.
 #pragma once
 #include "model/visit.hpp"
 

@@ -85,9 +85,9 @@ Outcome Bm4::advance(const Model& model, const Drive& drive, const Span& span, R
   prepare(model.body, span.h);
   ledger_.open(equations, drive.watch);
   if (!ledger_.recording() && !drive.ramped && model.body.fused())
-    glide(equations, span, run.path.motion);
+    glide(equations, span, run.physical.motion);
   else
-    for (Count i = 0; i < span.steps; ++i) step(equations, span.time(i), span.h, run.path.motion, run.path.exchange);
+    for (Count i = 0; i < span.steps; ++i) step(equations, span.time(i), span.h, run.physical.motion, run.physical.exchange);
   return {.work = double(span.steps) * traits(Method::bm4).work};
 }
 

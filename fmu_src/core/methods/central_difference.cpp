@@ -76,14 +76,14 @@ void CentralDifference::step(const Body& body, const Drive& around, double t, do
 }
 
 Outcome CentralDifference::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
-  State& state = run.path.motion;
+  State& state = run.physical.motion;
   if (state.previous_h != span.h) {
     drive.force_at(span.time(0), force_);
     start(model.body, force_, span.h, state);
   }
   for (Count i = 0; i < span.steps; ++i) {
-    step(model.body, drive, span.time(i), span.h, state, &run.path.exchange);
-    if (drive.watch && drive.ramped) run.path.exchange.work += drive.ramp_dot(span.time(i) + 0.5 * span.h, next_ - state.x);
+    step(model.body, drive, span.time(i), span.h, state, &run.physical.exchange);
+    if (drive.watch && drive.ramped) run.physical.exchange.work += drive.ramp_dot(span.time(i) + 0.5 * span.h, next_ - state.x);
     state.previous.change().swap(state.x);
     state.x.swap(next_);
     model.body.internal_force(state.x, state.spring);

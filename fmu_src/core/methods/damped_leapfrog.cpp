@@ -47,47 +47,48 @@ Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Sp
     surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
   const Count before = impacts();
   masses_.take_masses(model.body);
-  const double rate = run.course.damping_bound;
+  const double rate = run.control.damping_bound;
   kick_.prepare(model.body, 0.5 * span.h, rate < 0 ? model.body.fastest_damping : rate);
   Outcome outcome{.work = double(span.steps) * (traits(Method::leapfrog).work + 2 * kick_.products())};
   if (surface_) {
     surface_->begin(model.body, masses_, drive, span.time(0), span.h);
     surface_->allow(span.budget - outcome.work);
-    surface_->look(drive, span.time(0), run.path.motion.x);
+    surface_->look(drive, span.time(0), run.physical.motion.x);
   } else {
     contact_.begin(drive, span.time(0), span.h);
   }
   resolved_ = 0.5 * span.h * model.body.fastest_damping <= explicit_kick;
-  for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i) outcome.status = step(model.body, drive, span, i, run.path);
+  for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i)
+    outcome.status = step(model.body, drive, span, i, run.physical);
   outcome.impacts = impacts() - before;
   if (surface_) outcome.spent = outcome.work + surface_->work();
   return outcome;
 }
 
-StepStatus DampedLeapfrog::step(const Body& body, const Drive& around, const Span& span, Count i, Path& path) {
-  State& state = path.motion;
+StepStatus DampedLeapfrog::step(const Body& body, const Drive& around, const Span& span, Count i, PhysicalState& physical) {
+  State& state = physical.motion;
   const double t0 = span.time(i), t1 = span.time(i + 1);
   const StepView view{body, masses_, around, inner_, around.ramped ? force_ : around.force, state.x, t0, t1, span.h};
   if (around.ramped) around.force_at(t0, force_);
-  const StepStatus status = open(view, path);
+  const StepStatus status = open(view, physical);
   if (status != StepStatus::ok) return status;
-  if (around.watch && around.ramped) path.exchange.work += around.ramp_dot(0.5 * (t0 + t1), next_ - state.x);
+  if (around.watch && around.ramped) physical.exchange.work += around.ramp_dot(0.5 * (t0 + t1), next_ - state.x);
   state.x.swap(next_);
   body.internal_force(state.x, state.spring);
   if (around.ramped) around.force_at(t1, force_);
-  return close(view, path);
+  return close(view, physical);
 }
 
-StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
-  State& state = path.motion;
-  Exchange& exchange = path.exchange;
+StepStatus DampedLeapfrog::open(const StepView& view, PhysicalState& physical) {
+  State& state = physical.motion;
+  Exchange& exchange = physical.exchange;
   const bool planes = !view.around.planes.empty();
   before_.swap(state.v);
   prepare_kick(view, state, before_, view.h);
-  const bool held = planes && is_held(path);
+  const bool held = planes && is_held(physical);
   if (held) {
     if (surface_)
-      reactions_.hold(view, *surface_, path, before_);
+      reactions_.hold(view, *surface_, physical, before_);
     else
       reactions_.open(view, before_);
   }
@@ -104,10 +105,10 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
   const Count before = impacts();
   if (surface_ && surface_->spent()) return StepStatus::not_finite;
   if (surface_)
-    surface_->find(view, next_, path.surface);
+    surface_->find(view, next_, physical.surface);
   else
     contact_.find(view, next_);
-  const StepStatus status = surface_ ? surface_->drift(view, before_, state.v, next_, path.surface, state.free, exchange)
+  const StepStatus status = surface_ ? surface_->drift(view, before_, state.v, next_, physical.surface, state.free, exchange)
                                      : contact_.drift(view, before_, state.v, next_, exchange);
   if (!surface_) fly(view, state.free);
   lands_ = impacts() > before;
@@ -119,9 +120,9 @@ StepStatus DampedLeapfrog::open(const StepView& view, Path& path) {
 }
 
 /// Where a point has landed dashpots felt it from then on: the drift's mean velocity tells when.
-StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
-  State& state = path.motion;
-  Exchange& exchange = path.exchange;
+StepStatus DampedLeapfrog::close(const StepView& view, PhysicalState& physical) {
+  State& state = physical.motion;
+  Exchange& exchange = physical.exchange;
   const bool touched = !view.around.planes.empty() && (surface_ ? surface_->touched() : contact_.touched());
   before_.swap(state.v);
   if (!view.around.pins.empty()) middle_ = before_;
@@ -133,10 +134,10 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
       if (!view.body.pinned[p]) set_row(rates_, p, 2 / view.h * row(drift_, p) - row(kicked_, p));
   }
   prepare_kick(view, state, landed ? rates_ : before_, -view.h);
-  const bool held = touched && is_held(path);
+  const bool held = touched && is_held(physical);
   if (held) {
     if (surface_)
-      reactions_.hold(view, *surface_, path, before_);
+      reactions_.hold(view, *surface_, physical, before_);
     else
       reactions_.close(view, contact_, before_);
   }
@@ -149,7 +150,7 @@ StepStatus DampedLeapfrog::close(const StepView& view, Path& path) {
   StepStatus status = StepStatus::ok;
   if (touched) {
     const double work = exchange.work, dissipated = exchange.dissipated;
-    status = surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
+    status = surface_ ? surface_->close(view, state.v, physical.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
     if (losses(view.around)) exchange.dissipated = dissipated + (exchange.work - work) + slowed(view.body, kicked_, state.v);
     if (surface_ && losses(view.around)) exchange.dissipated += surface_->loss_of_free_pins(view, state.v);
   }
@@ -163,7 +164,7 @@ void DampedLeapfrog::prepare_kick(const StepView& view, const State& state, cons
 }
 
 /// By forces that the kick is to know: may anything rest on an obstacle?
-bool DampedLeapfrog::is_held(const Path& path) const { return resolved_ && (!surface_ || surface_->lasts(path.surface)); }
+bool DampedLeapfrog::is_held(const PhysicalState& physical) const { return resolved_ && (!surface_ || surface_->lasts(physical.surface)); }
 
 /// The forces that hold points are the contact's: their work is none of the kick's.
 void DampedLeapfrog::kick(const StepView& view, State& state, bool held, bool drifted, Exchange& exchange) {

@@ -23,13 +23,13 @@ class DampedLeapfrog {
   Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run);
 
  private:
-  StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, Path& path);
-  StepStatus open(const StepView& view, Path& path);
-  StepStatus close(const StepView& view, Path& path);
+  StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, PhysicalState& physical);
+  StepStatus open(const StepView& view, PhysicalState& physical);
+  StepStatus close(const StepView& view, PhysicalState& physical);
   /// The forces at the beginning of a kick, of dashpots by these velocities. drift: the time of the drift after it, or less than 0 of the
   /// one before it.
   void prepare_kick(const StepView& view, const State& state, const Points& rates, double drift);
-  bool is_held(const Path& path) const;
+  bool is_held(const PhysicalState& physical) const;
   /// From before_, with the reactions of obstacles where there are any.
   Count impacts() const { return surface_ ? surface_->impacts() : contact_.impacts(); }
   void kick(const StepView& view, State& state, bool held, bool drifted, Exchange& exchange);

@@ -24,8 +24,8 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
 
-  /// Takes the motion through the span, and adds to the run's exchange what goes to the outside; `run.path.motion.time`, clock and counts
-  /// are the caller's, who also books the work. Unless the status is ok motion and exchange are spoilt: a Snapshot takes them back.
+  /// Integrates the motion over the span and adds the reactions to the run's exchange. The caller sets `run.physical.motion.time`, clock
+  /// and counts, and books the work. If the status is not ok, motion and exchange are invalid, and a Snapshot has to restore them.
   virtual Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) = 0;
   /// Number of matrices factored so far.
   virtual Count factorizations() const { return 0; }

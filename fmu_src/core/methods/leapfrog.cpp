@@ -64,7 +64,7 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
   const bool free = drive.planes.empty() && drive.pins.empty() && model.body.fused() && !dashpots;
   Outcome outcome{.work = double(span.steps) * step_work(model.body, drive, run, Method::leapfrog, span.h)};
   if (free && !booked(model.body, drive)) {
-    glide(model.body, drive, span, run.path.motion);
+    glide(model.body, drive, span, run.physical.motion);
     return outcome;
   }
   if (surface_) {
@@ -73,7 +73,7 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
   } else {
     contact_.begin(drive, span.time(0), span.h);
   }
-  outcome.status = run_steps(model.body, drive, span, run.path);
+  outcome.status = run_steps(model.body, drive, span, run.physical);
   if (surface_) outcome.spent = outcome.work + surface_->work();
   outcome.impacts = impacts() - before;
   return outcome;
@@ -96,30 +96,30 @@ void Leapfrog::glide(const Body& body, const Drive& around, const Span& span, St
   kicks_.close(state.spring, force, state.v);
 }
 
-StepStatus Leapfrog::run_steps(const Body& body, const Drive& around, const Span& span, Path& path) {
-  State& state = path.motion;
+StepStatus Leapfrog::run_steps(const Body& body, const Drive& around, const Span& span, PhysicalState& physical) {
+  State& state = physical.motion;
   const bool dashpots = body.dashpots(), at_once = around.pins.empty() && body.fused() && !booked(body, around) && !dashpots;
   const Points& force = around.ramped ? force_ : around.force;
   if (dashpots) take_dashpots(body, state, state.v);
   const auto view = [&](Count i) {
     return StepView{body, kicks_, around, dashpots ? forces_ : state.spring, force, state.x, span.time(i), span.time(i + 1), span.h};
   };
-  StepStatus status = open(view(0), path);
+  StepStatus status = open(view(0), physical);
   for (Count i = 1; i < span.steps && status == StepStatus::ok; ++i) {
     if (at_once) {
-      status = close_and_open(view(i - 1), view(i), path);
+      status = close_and_open(view(i - 1), view(i), physical);
       continue;
     }
-    status = close(view(i - 1), path);
-    if (status == StepStatus::ok) status = open(view(i), path);
+    status = close(view(i - 1), physical);
+    if (status == StepStatus::ok) status = open(view(i), physical);
   }
-  return status == StepStatus::ok ? close(view(span.steps - 1), path) : status;
+  return status == StepStatus::ok ? close(view(span.steps - 1), physical) : status;
 }
 
 /// Up to the end of the drift.
-StepStatus Leapfrog::open(const StepView& view, Path& path) {
-  State& state = path.motion;
-  Exchange& exchange = path.exchange;
+StepStatus Leapfrog::open(const StepView& view, PhysicalState& physical) {
+  State& state = physical.motion;
+  Exchange& exchange = physical.exchange;
   const Drive& around = view.around;
   if (losses(view.body, view.around)) start_ = state.v;
   before_.swap(state.v);
@@ -131,8 +131,8 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
   }
   if (!around.planes.empty()) {
     if (surface_ && surface_->spent()) return StepStatus::not_finite;
-    find(view, path);
-    if (const StepStatus status = position_stage(view, path); status != StepStatus::ok) return status;
+    find(view, physical);
+    if (const StepStatus status = position_stage(view, physical); status != StepStatus::ok) return status;
   }
   if (!surface_) fly(view, state.free);
   if (around.watch && around.ramped) exchange.work += around.ramp_dot(0.5 * (view.t0 + view.t1), next_ - state.x);
@@ -142,9 +142,9 @@ StepStatus Leapfrog::open(const StepView& view, Path& path) {
 }
 
 /// From there to the end of the step.
-StepStatus Leapfrog::close(const StepView& view, Path& path) {
-  State& state = path.motion;
-  Exchange& exchange = path.exchange;
+StepStatus Leapfrog::close(const StepView& view, PhysicalState& physical) {
+  State& state = physical.motion;
+  Exchange& exchange = physical.exchange;
   const Drive& around = view.around;
   renew_forces(view, state);
   if (around.ramped) around.force_at(view.t1, force_);
@@ -157,7 +157,7 @@ StepStatus Leapfrog::close(const StepView& view, Path& path) {
   }
   if (!around.planes.empty()) {
     const StepStatus status =
-        surface_ ? surface_->close(view, state.v, path.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
+        surface_ ? surface_->close(view, state.v, physical.surface, state.free, exchange) : contact_.close(view, state.v, exchange);
     if (status != StepStatus::ok) return status;
     if (surface_ && SurfaceContact::wants_loss(view)) exchange.dissipated += surface_->loss(view, state.v);
   }
@@ -194,9 +194,9 @@ double Leapfrog::dashpot_loss(const StepView& view, const State& state, const Po
 }
 
 /// Looks for contact after the free drift.
-void Leapfrog::find(const StepView& view, const Path& path) {
+void Leapfrog::find(const StepView& view, const PhysicalState& physical) {
   if (surface_)
-    surface_->find(view, next_, path.surface);
+    surface_->find(view, next_, physical.surface);
   else
     contact_.find(view, next_);
 }
@@ -213,32 +213,32 @@ void Leapfrog::each_found(const See& see) {
 /// Were the points found in the step before too, and what lies between is kept of their blocks for so many steps more?
 bool Leapfrog::lasts(Count steps) const { return !surface_ && contact_.same() && any_until_ >= step_ + steps; }
 
-StepStatus Leapfrog::position_stage(const StepView& view, Path& path) {
+StepStatus Leapfrog::position_stage(const StepView& view, PhysicalState& physical) {
   ++step_;
   if (!lasts(keep_for / 2)) each_found([&](Count& until) { until = any_until_ = step_ + keep_for; });
-  return surface_ ? surface_->drift(view, before_, path.motion.v, next_, path.surface, path.motion.free, path.exchange)
-                  : contact_.drift(view, before_, path.motion.v, next_, path.exchange);
+  return surface_ ? surface_->drift(view, before_, physical.motion.v, next_, physical.surface, physical.motion.free, physical.exchange)
+                  : contact_.drift(view, before_, physical.motion.v, next_, physical.exchange);
 }
 
 /// The end of a step and the next one up to the end of its drift, in one pass over all points; those that touch a plane are corrected.
 /// That takes what lies between: it is kept of blocks of points that have touched one of late.
-StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, Path& path) {
-  State& state = path.motion;
+StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, PhysicalState& physical) {
+  State& state = physical.motion;
   if (surface_ && surface_->touched()) {  // which moves all points
-    const StepStatus status = close(last, path);
-    return status == StepStatus::ok ? open(next, path) : status;
+    const StepStatus status = close(last, physical);
+    return status == StepStatus::ok ? open(next, physical) : status;
   }
   if (last.around.ramped) last.around.force_at(last.t1, force_);
   before_.swap(state.v);
   last.body.fused()->advance(kicks_.stage(last.around.even), last.force, state.x, before_, state.v, next_,
                              {any_until_ < step_ ? nullptr : keep_until_.data(), step_, state.spring.data()});
-  StepStatus status = surface_ ? StepStatus::ok : contact_.close_and_go_on(last, before_, next_, path.exchange);
+  StepStatus status = surface_ ? StepStatus::ok : contact_.close_and_go_on(last, before_, next_, physical.exchange);
   if (status != StepStatus::ok) return status;
-  find(next, path);
+  find(next, physical);
   bool kept = true;
   if (!lasts(0)) each_found([&](Count until) { kept = kept && until >= step_; });
   if (!kept) recall(last, state);
-  status = position_stage(next, path);
+  status = position_stage(next, physical);
   state.x.swap(next_);
   return status;
 }

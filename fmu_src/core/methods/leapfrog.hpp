@@ -24,15 +24,15 @@ class Leapfrog final : public Integrator {
 
  private:
   void glide(const Body& body, const Drive& drive, const Span& span, State& state);
-  StepStatus run_steps(const Body& body, const Drive& drive, const Span& span, Path& path);
-  StepStatus open(const StepView& view, Path& path);
-  StepStatus close(const StepView& view, Path& path);
-  StepStatus close_and_open(const StepView& last, const StepView& next, Path& path);
-  void find(const StepView& view, const Path& path);
+  StepStatus run_steps(const Body& body, const Drive& drive, const Span& span, PhysicalState& physical);
+  StepStatus open(const StepView& view, PhysicalState& physical);
+  StepStatus close(const StepView& view, PhysicalState& physical);
+  StepStatus close_and_open(const StepView& last, const StepView& next, PhysicalState& physical);
+  void find(const StepView& view, const PhysicalState& physical);
   template <class See>
   void each_found(const See& see);
   bool lasts(Count steps) const;
-  StepStatus position_stage(const StepView& view, Path& path);
+  StepStatus position_stage(const StepView& view, PhysicalState& physical);
   void recall(const StepView& last, State& state);
   void renew_forces(const StepView& view, State& state);
   void take_dashpots(const Body& body, const State& state, const Points& v);

@@ -19,21 +19,21 @@ Outcome OneStep::offer(const Model& model, const Drive& drive, double t, double 
 }
 
 Outcome OneStep::attempt_in(const Equations& equations, double t, double h, Run& run) {
-  return {.error = attempt(equations, t, h, run.path.motion), .work = traits(name_).work};
+  return {.error = attempt(equations, t, h, run.physical.motion), .work = traits(name_).work};
 }
 
 void OneStep::keep(const Model& model, Run& run) {
-  State& motion = run.path.motion;
+  State& motion = run.physical.motion;
   motion.x.swap(x);
   motion.v.swap(v);
   model.body.internal_force(motion.x, motion.spring);
-  if (ledger.recording()) ledger.settle(run.path.exchange);
+  if (ledger.recording()) ledger.settle(run.physical.exchange);
 }
 
 Outcome OneStep::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
   Outcome outcome;
   for (Count i = 0; i < span.steps; ++i) {
-    run.course.factored.h = 0;  // nobody looks at the error of a given step: an old factor could spoil it
+    run.control.factored.h = 0;  // nobody looks at the error of a given step: an old factor could spoil it
     const Outcome step = offer(model, drive, span.time(i), span.h, run);
     keep(model, run);
     outcome.error = worse(outcome.error, step.error);

@@ -20,8 +20,8 @@ class OneStep : public Integrator {
         name_(name),
         lossy_(lossy) {}
 
-  /// Offers a step of size h from (t, run.path.motion): fills x, v and the ledger, and leaves the motion as it is. The error of a result
-  /// that is not finite is infinite.
+  /// Offers a step of size h from (t, run.physical.motion): fills x, v and the ledger, and does not change the motion. A result that is not
+  /// finite has an infinite error.
   Outcome offer(const Model& model, const Drive& drive, double t, double h, Run& run);
   /// Takes the step that was offered last.
   void keep(const Model& model, Run& run);

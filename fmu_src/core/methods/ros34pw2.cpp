@@ -122,7 +122,7 @@ Outcome Ros34pw2::attempt_in(const Equations& equations, double t, double h, Run
   return with_factor_of(run, false, [&] {
     const Body& body = equations.body;
     torques_ = body.dashpots() && equations.around.pins.empty();
-    const State& motion = run.path.motion;
+    const State& motion = run.physical.motion;
     const double error = attempt(equations, t, h, motion);
     if (torques_) turn_by_torques(body, motion);
     torques_ = false;

@@ -48,13 +48,13 @@ class Ros34pw2 final : public OneStep {
   /// An attempt with the factor that the run carries on, in the body's frame or out of it.
   template <class Attempt>
   Outcome with_factor_of(Run& run, bool in_frame, Attempt&& attempt) {
-    Factored& carried = run.course.factored;
+    Factored& carried = run.control.factored;
     if (carried.in_frame != in_frame) carried.in_frame = in_frame, carried.h = 0;
     std::swap(factored, carried);
     const double error = attempt();
     std::swap(factored, carried);
     const bool made = carried.uses == 1;  // not whether it was made now: after a restore it is made again
-    run.course.factors += made;
+    run.control.factors += made;
     const double longer = (solutions_ - stages) * implicit_.solution;  // than solutions usually take
     return {.error = error, .work = implicit_.step + (made ? implicit_.factor : 0) + (in_frame ? implicit_.frame : 0) + longer};
   }

@@ -54,8 +54,8 @@ bool takes_solid(Method method, const Lattice& lattice) {
 /// None beside obstacles. Nor where steps are counted, which give the same however the time is cut: what one hands on to the next would
 /// not.
 double longest_carried(const Drive& around, const Run& run) {
-  const bool known = run.course.bound >= 0, counted = run.path.clock.unit > 0;
-  return known && !counted && around.planes.empty() ? stable_share / run.course.damping_bound : 0;
+  const bool known = run.control.bound >= 0, counted = run.physical.clock.unit > 0;
+  return known && !counted && around.planes.empty() ? stable_share / run.control.damping_bound : 0;
 }
 
 bool carries_velocities(const Drive& around, const Run& run, double h) { return h <= (1 + 1e-9) * longest_carried(around, run); }

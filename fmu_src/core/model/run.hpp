@@ -1,8 +1,8 @@
-/// The whole value that stepping changes: its copy is a snapshot, and goes on exactly as the original would.
+/// Everything that stepping changes. A copy of a Run is a snapshot: it continues exactly as the original does.
 ///
-///      Path     where the body is, and what it gave back on the way: a stretch of time that is tried again goes back to it
-///      Course   what stepping has learnt and spent so far: it stays when a stretch is tried again
-///      EnergyAccount   whether the body has the energy it was given (watch/energy_watch.hpp)
+///      PhysicalState     the motion of the body and its reactions; a rejected sub-interval restores it
+///      ControllerState   step sizes, trials and spent work; a rejected sub-interval keeps it
+///      EnergyAccount     compares the energy of the body with the work done on it (watch/energy_watch.hpp)
 #pragma once
 #include <algorithm>
 
@@ -45,23 +45,23 @@ static_assert(visits_every_field<Calibration>);
 
 /// What two runs of a stretch differ by at the end of the run, or a sum of that [m]. Most stretches err now this way, now that way: sizes
 /// add as lengths of vectors at right angles do. What errs the same way again and again, as rolling does, is seen by its direction.
-struct LeftOver {
+struct FinalError {
   double size = 0;
   double lag = 0;                                  ///< the same if pins hold the body: phases of its vibrations always fall behind
   Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();  ///< else, of the body as a whole; turned, of its outermost point
 
   double largest() const { return std::max({size, lag, shift.norm(), turn.norm()}); }
-  LeftOver times(double factor) const { return {factor * size, factor * lag, factor * shift, factor * turn}; }
-  void add(const LeftOver& of) { *this = {hypotenuse(size, of.size), lag + of.lag, shift + of.shift, turn + of.turn}; }
+  FinalError times(double factor) const { return {factor * size, factor * lag, factor * shift, factor * turn}; }
+  void add(const FinalError& of) { *this = {hypotenuse(size, of.size), lag + of.lag, shift + of.shift, turn + of.turn}; }
   /// To what stretches like the last one leave: directions that change cancel.
-  void learn(const LeftOver& last) { *this = {last.size, last.lag, 0.5 * (shift + last.shift), 0.5 * (turn + last.turn)}; }
+  void learn(const FinalError& last) { *this = {last.size, last.lag, 0.5 * (shift + last.shift), 0.5 * (turn + last.turn)}; }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.size, s.lag, s.shift, s.turn);
   }
 };
-static_assert(visits_every_field<LeftOver>);
+static_assert(visits_every_field<FinalError>);
 
 /// A stretch that was run twice.
 struct TriedStretch {
@@ -98,13 +98,13 @@ struct ContactSteps {
   Count impact_next = 1;
   Count seen = 0;                        ///< steps since a whole stretch was seen
   double largest = 0, largest_seen = 0;  ///< error relative to the square of the step [m/s2]: since then, and in the whole stretch before
-  LeftOver left_over{};                  ///< by a stretch at the step of the coarser run
+  FinalError final_error{};              ///< by a stretch at the step of the coarser run
   TriedStretch tried{};                  ///< the last that shorter steps are to mend
   ErrorFloor floor{};
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.free, s.free_next, s.impact, s.impact_next, s.seen, s.largest, s.largest_seen, s.left_over, s.tried, s.floor);
+    return fields(s.h, s.free, s.free_next, s.impact, s.impact_next, s.seen, s.largest, s.largest_seen, s.final_error, s.tried, s.floor);
   }
 };
 static_assert(visits_every_field<ContactSteps>);
@@ -127,12 +127,12 @@ static_assert(visits_every_field<Drift>);
 /// The motion of a body that began a landing as far off as this one may be: by what they differ the error is known that landings make of
 /// errors (kit/landings.hpp). Empty without obstacles.
 struct Neighbour {
-  Points x, v;                    ///< while it takes the path's steps, its own; else by what it differed when it last did [m, m/s]
+  Points x, v;                    ///< while it is integrated beside the run, its own; else its last difference from the run [m, m/s]
   std::vector<FreeState> free{};  ///< bodies, likewise
   bool follows = false;           ///< takes them
   bool landed = false;            ///< has come onto an obstacle since it began to
-  double began = 0, impact = 0;   ///< times at which it last began to, and of the path's last impact [s]
-  Drift off{};                    ///< it from the path
+  double began = 0, impact = 0;   ///< times at which it last began to, and of the run's last impact [s]
+  Drift off{};                    ///< its distance from the run
 
   /// What it was off stands, and it no longer goes on from there.
   void forget() {
@@ -170,7 +170,7 @@ struct StiffContact {
   Count doubts = 0;       ///< how often rest was left too early to pay
   Count trust = 0;        ///< windows that may be run once
   Count next_trust = 1;   ///< how many after the next success
-  LeftOver trusted{};     ///< by one, as of the last that was run twice
+  FinalError trusted{};   ///< by one, as of the last that was run twice
   Count rest_trust = 0, next_rest_trust = 1;  ///< the same for steps at rest
   double step = 0;                            ///< at rest [s]; 0: none yet
   double unknown = 0;                         ///< that the vibrations' unknown phases at impacts may have added [m]
@@ -228,7 +228,7 @@ struct DampedRecord {
 static_assert(visits_every_field<DampedRecord>);
 
 /// What stepping has learnt and spent.
-struct Course {
+struct ControllerState {
   MarkedPoints bound_x;                                  ///< configuration that `bound` belongs to
   double bound = -1;                                     ///< bound of omega [rad/s]; negative: none yet
   double damping_bound = -1;                             ///< of the rate of damping there [1/s]; negative: none yet
@@ -265,7 +265,7 @@ struct Course {
                   s.method, s.reason, s.trials, s.work, s.usual, s.rejected, s.factors, s.neighbour);
   }
 };
-static_assert(visits_every_field<Course>);
+static_assert(visits_every_field<ControllerState>);
 
 /// What contact of the surface's samples keeps from step to step, for each stage: rows by number, plane after plane, -1 behind the last;
 /// friction on them in parts of its limit. Empty where control points touch.
@@ -287,14 +287,14 @@ struct SurfaceRows {
 static_assert(visits_every_field<SurfaceRows>);
 
 /// Where the body is, and what it gave back in this communication step.
-struct Path {
+struct PhysicalState {
   State motion;
   Clock clock;
   Exchange exchange;  ///< of the last communication step
   Count steps = 0;    ///< internal steps since the start
   StiffContact stiff{};
   SurfaceRows surface{};
-  LeftOver error{};          ///< of steps beside obstacles
+  FinalError error{};        ///< of steps beside obstacles
   double damped_error = 0;   ///< of those of damped bodies that are implicit, what lasts to the end of the run [m]
   double damped_fading = 0;  ///< and what is forgotten again [m]
 
@@ -306,7 +306,7 @@ struct Path {
     return fields(s.motion, s.clock, s.exchange, s.steps, s.stiff, s.surface, s.error, s.damped_error, s.damped_fading);
   }
 };
-static_assert(visits_every_field<Path>);
+static_assert(visits_every_field<PhysicalState>);
 
 /// Energy that came out of nothing, as watch/energy_watch.hpp counts it.
 struct EnergyAccount {
@@ -318,7 +318,7 @@ struct EnergyAccount {
   double largest = 0;              ///< energy so far [J]
   double recent = 0, earlier = 0;  ///< the same of the last looks, and of as many before them [J]
   Count looks = 0;                 ///< since `recent` began
-  double due = 0;                  ///< work of the course at which the next look is due
+  double due = 0;                  ///< work at which the next look is due
   double step_factor = 1;          ///< part of the usual internal step that has proved safe
   bool hopeless = false;           ///< smaller steps did not help
 
@@ -345,8 +345,8 @@ struct SensorReading {
 static_assert(visits_every_field<SensorReading>);
 
 struct Run {
-  Path path;
-  Course course;
+  PhysicalState physical;
+  ControllerState control;
   EnergyAccount energy;
   double exchange_time = 1;                        ///< length of the last communication step [s]
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
@@ -359,7 +359,7 @@ struct Run {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.path, s.course, s.energy, s.exchange_time, s.dissipated, s.work, s.potential, s.free_energy, s.outside,
+    return fields(s.physical, s.control, s.energy, s.exchange_time, s.dissipated, s.work, s.potential, s.free_energy, s.outside,
                   s.contacts_resolved, s.contacts, s.centres, s.sensors);
   }
 };

@@ -40,22 +40,22 @@ double next_factor(double allowed, double error, int order) {
 }  // namespace
 
 bool Calibrator::due(const StepContext& context, Method method, double H, bool jolt) const {
-  const Course& course = context.run.course;
-  const Calibration& calibration = context.run.course.calibration(method);
+  const ControllerState& control = context.run.control;
+  const Calibration& calibration = context.run.control.calibration(method);
   if (calibration.h == 0) return true;
-  if (H < use::sliver * course.usual) return false;
+  if (H < use::sliver * control.usual) return false;
   const double window = context.model.stability.any_frequency() > 0 ? std::min(H, use::calibration_window / bound(context)) : H;
-  return course.work >= (jolt ? calibration.soon : calibration.due) || use::sliver * window > calibration.window;
+  return control.work >= (jolt ? calibration.soon : calibration.due) || use::sliver * window > calibration.window;
 }
 
 double Calibrator::calibrate(Integrators& integrators, const StepContext& context, Method method, double H, int rounds) {
   const Traits& t = traits(method);
-  Calibration& calibration = context.run.course.calibration(method);
+  Calibration& calibration = context.run.control.calibration(method);
   const double window = context.model.stability.elastic() ? std::min(H, use::calibration_window / bound(context)) : H;
   const double allowed = use::forecast_tolerance * context.request.tolerance;
   const double pairs = power(2, t.order), c = pairs / (pairs - 1);
   const Count most = method == Method::bm4 ? use::calibration_steps_bm4 : use::calibration_steps;
-  const bool harmless = vibration(context.equations(), context.run.path.motion, context.model.time_scale) <= allowed;
+  const bool harmless = vibration(context.equations(), context.run.physical.motion, context.model.time_scale) <= allowed;
   double h = std::min({H, step_limit(context, method, false), calibration.h > 0 ? calibration.h : infinity}), work = 0;
   for (int round = 0; round < rounds && !harmless; ++round) {
     const Count steps = std::min(divisions(window, h), most);
@@ -68,7 +68,7 @@ double Calibrator::calibrate(Integrators& integrators, const StepContext& contex
     h = calibration.h;
   }
   if (harmless) calibration.h = infinity;
-  const double done = context.run.course.work;
+  const double done = context.run.control.work;
   calibration.window = window;
   calibration.soon = done + std::max(use::calibration_pause_after_jolt * work, use::shortest_pause);
   calibration.due = done + std::max(use::calibration_pause * work, use::shortest_pause);
@@ -77,17 +77,17 @@ double Calibrator::calibrate(Integrators& integrators, const StepContext& contex
 
 /// What h and h / 2 will differ by at the end of the run; infinite if one of them fails, nothing if one comes upon an obstacle.
 std::optional<double> Calibrator::trial_error(Integrators& integrators, const StepContext& context, Method method, double h, Count steps) {
-  Path& path = context.run.path;
-  Snapshot snapshot(path, start_);
-  const double begin = path.motion.time;
+  PhysicalState& physical = context.run.physical;
+  Snapshot snapshot(physical, start_);
+  const double begin = physical.motion.time;
   StepStatus status = integrators.take(context, method, {begin, 0, h, steps}).status;
   if (status == StepStatus::ok) {
-    std::swap(coarse_, path.motion);
+    std::swap(coarse_, physical.motion);
     snapshot.rollback();
     status = integrators.take(context, method, {begin, 0, h / 2, 2 * steps}).status;
   }
   if (status == StepStatus::contact_ahead) return {};
-  return status == StepStatus::ok ? growing(context, coarse_, path.motion, double(steps) * h) : infinity;
+  return status == StepStatus::ok ? growing(context, coarse_, physical.motion, double(steps) * h) : infinity;
 }
 
 }  // namespace softffd

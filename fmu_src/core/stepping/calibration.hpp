@@ -13,16 +13,16 @@ namespace softffd {
 
 class Calibrator {
  public:
-  explicit Calibrator(const Run& run) : start_(run.path), coarse_(run.path.motion) {}
+  explicit Calibrator(const Run& run) : start_(run.physical), coarse_(run.physical.motion) {}
 
   /// Is there a new calibration to be made for what is left [s] of the communication step?
   bool due(const StepContext& context, Method method, double H, bool jolt) const;
-  /// Sets run.course.calibration(method); returns the work.
+  /// Sets run.control.calibration(method); returns the work.
   double calibrate(Integrators& integrators, const StepContext& context, Method method, double H, int rounds);
 
  private:
   std::optional<double> trial_error(Integrators& integrators, const StepContext& context, Method method, double h, Count steps);
-  Path start_;
+  PhysicalState start_;
   State coarse_;
 };
 

@@ -41,7 +41,7 @@ class Allowance {
   Allowance(const StepContext& context, const Traits& traits)
       : traits_(traits),
         forgets_(std::min(context.request.horizon, context.model.longest_memory)),
-        rounding_(use::rounding * std::max(context.model.body.length, largest(context.run.path.motion.x))),
+        rounding_(use::rounding * std::max(context.model.body.length, largest(context.run.physical.motion.x))),
         tolerance_(context.request.tolerance * power(context.request.step_factor, traits.order)) {}
   double operator()(double h) const {
     return std::max(rounding_, std::min(traits_.tolerance_step, traits_.tolerance_sum * h / forgets_) * tolerance_);
@@ -76,20 +76,20 @@ struct Controller {
 
 StepStatus run_controlled(Integrators& integrators, const StepContext& context, Method method, double end, double pause_at) {
   Run& run = context.run;
-  State& motion = run.path.motion;
-  Course& course = run.course;
+  State& motion = run.physical.motion;
+  ControllerState& control = run.control;
   OneStep& integrator = integrators.one_step(method);
   const Traits& t = traits(method);
   const Allowance allowed(context, t);
   const Controller controller;
-  double& h = course.controlled_step(method);
+  double& h = control.controlled_step(method);
   const bool planes = !context.drive.planes.empty(), straight = t.turning == Turning::straight, in_frame = t.turning == Turning::in_frame;
   const double least = use::shortest_step * std::max(std::abs(end), end - motion.time);
   double limit = step_limit(context, method, false);
   // In the frame the first step is as long as may be: short ones would follow the vibrations that it is to pass over.
   const bool short_first = context.model.stability.elastic() && !in_frame;
   if (!(h > 0)) h = context.request.step_factor * std::min(end - motion.time, short_first ? use::first_step / bound(context) : infinity);
-  run.path.clock = {motion.time, h, 0};
+  run.physical.clock = {motion.time, h, 0};
   Budget& budget = integrators.budget();
   for (Count tries = 1; motion.time < end; ++tries) {
     if (budget.spent()) return StepStatus::too_much_work;
@@ -98,28 +98,28 @@ StepStatus run_controlled(Integrators& integrators, const StepContext& context, 
     const double step = ahead == 1 ? left : left / double(ahead);
     if (!(step > least)) return StepStatus::not_finite;
     const Outcome offered = integrator.offer(context.model, context.drive, motion.time, step, run);
-    course.work += offered.work;
+    control.work += offered.work;
     budget.spend(offered.work);
     const double ratio = offered.error / allowed(step);
     const bool turned = straight && step > use::turned_too_far * turning_limit(context, integrator.x, integrator.v);
     if (straight) limit = step_limit(context, method, false);
     const double factor = controller.factor(ratio, turned, integrator.exponent);
     if (!(ratio <= 1) || turned) {
-      ++course.rejected;
-      const bool old_factor = t.solves && course.factored.uses > 1;
-      if (old_factor) course.factored.h = 0;
+      ++control.rejected;
+      const bool old_factor = t.solves && control.factored.uses > 1;
+      if (old_factor) control.factored.h = 0;
       h = controller.after_rejection(step, factor, old_factor);
-      if (in_frame && course.work >= pause_at) return StepStatus::ok;
+      if (in_frame && control.work >= pause_at) return StepStatus::ok;
       continue;
     }
     h = controller.after_success(h, step, factor, t.solves);
     if (planes && integrators.passes(context, method, motion.time, step, motion.x, motion.v, integrator.x, integrator.v))
       return StepStatus::contact_ahead;
     integrator.keep(context.model, run);
-    ++run.path.steps;
-    run.path.clock.h = step;
+    ++run.physical.steps;
+    run.physical.clock.h = step;
     motion.time = ahead == 1 ? end : motion.time + step;
-    if (course.work >= pause_at) return StepStatus::ok;
+    if (control.work >= pause_at) return StepStatus::ok;
     if (tries % use::look_every == 0 && deformed_since_bound(context)) limit = step_limit(context, method, false);
   }
   return StepStatus::ok;

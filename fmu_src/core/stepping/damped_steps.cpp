@@ -63,7 +63,7 @@ namespace use = thresholds;
 Outlook ahead(const StepContext& context) {
   const double left = left_of_run(context);
   if (context.drive.planes.empty()) return {Vec3::UnitZ(), left, left, left, 0};
-  Outlook ahead = outlook_of_stiff(context, context.run.path.motion);
+  Outlook ahead = outlook_of_stiff(context, context.run.physical.motion);
   if (ahead.slides_on()) ahead.along_plane = left;
   return ahead;
 }
@@ -73,7 +73,7 @@ Outlook ahead(const StepContext& context) {
 double work_of_free_rows(const StepContext& context) {
   if (std::ranges::all_of(context.drive.free, &FreeMotion::part)) return 0;
   const auto number = [](const std::vector<Count>& of) { return double(std::ranges::count_if(of, [](Count row) { return row >= 0; })); };
-  double rows = std::max(number(context.run.path.motion.held_rows.rows), number(context.run.path.surface.drift)), touch = 0;
+  double rows = std::max(number(context.run.physical.motion.held_rows.rows), number(context.run.physical.surface.drift)), touch = 0;
   for (const FreeMotion& each : context.drive.free)
     if (!each.part()) touch += double(context.run.contacts[each.body().plane]);
   rows = std::max(rows, touch);
@@ -96,9 +96,9 @@ struct DampedSteps::Call {
   double worth() const { return DampedSteps::worth(integrators, context, others); }
   double tolerance() const { return context.request.tolerance * power(context.request.step_factor, 2); }
   double allowed(double h) const {
-    const double rounding = use::rounding * std::max(context.model.body.length,
-                                                     kernels::largest(context.run.path.motion.x.size(), context.run.path.motion.x.data()));
-    const double spent = (context.run.path.damped_error + context.run.path.damped_fading) / context.request.tolerance;
+    const double rounding = use::rounding * std::max(context.model.body.length, kernels::largest(context.run.physical.motion.x.size(),
+                                                                                                 context.run.physical.motion.x.data()));
+    const double spent = (context.run.physical.damped_error + context.run.physical.damped_fading) / context.request.tolerance;
     const double of_rest = use::damped_share * std::max(0.0, use::damped_sum - spent);
     return std::max(rounding, std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory)) * tolerance());
   }
@@ -112,22 +112,22 @@ StepStatus DampedSteps::ExplicitSteps::run(Integrators& integrators, const StepC
 }
 
 double DampedSteps::worth(Integrators& integrators, const StepContext& context, const ExplicitSteps& others) {
-  const double limit = step_limit(context, Method::leapfrog, false), known = context.run.course.damped.rate;
+  const double limit = step_limit(context, Method::leapfrog, false), known = context.run.control.damped.rate;
   const double forecast = others.times() * step_work(context.model.body, context.drive, context.run, Method::leapfrog, limit) / limit;
   const double free = others.times() * work_of_free_rows(context) / limit;
   return use::damped_runs * integrators.implicit_work().in_contact() / ((known > 0 ? known : forecast) + free);
 }
 
 StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context, double end, const ExplicitSteps& others) {
-  Course& course = context.run.course;
-  DampedRecord& record = course.damped;
-  const State& motion = context.run.path.motion;
+  ControllerState& control = context.run.control;
+  DampedRecord& record = control.damped;
+  const State& motion = context.run.physical.motion;
   const double begin = motion.time;
-  const Count rejected = course.rejected;
+  const Count rejected = control.rejected;
   bool opens = false;  // the first step is no longer than that of the communication step before
   while (motion.time < end) {
     const Call call{integrators, context, begin, end, step_limit(context, Method::leapfrog, false), memory(context), others};
-    course.method = Method::sdirk2;
+    control.method = Method::sdirk2;
     const double left = end - motion.time;
     if (integrators.budget().spent()) return StepStatus::too_much_work;
     if (!(record.h > 0)) record.h = std::min(use::first_damped * call.worth(), left);
@@ -136,7 +136,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
       continue;
     }
     const bool first = motion.time == begin;
-    if (first && course.rejected == rejected && record.opening > 0 && record.opening < std::min(record.h, left)) {
+    if (first && control.rejected == rejected && record.opening > 0 && record.opening < std::min(record.h, left)) {
       opens = true;
       record.h = record.opening;
       record.trust = 0;
@@ -151,7 +151,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
     }
     if (!first || motion.time == begin) continue;
     const double h = motion.time - begin;
-    record.opening = course.rejected > rejected ? h : opens ? std::min(record.h, use::opening_growth * h) : 0;
+    record.opening = control.rejected > rejected ? h : opens ? std::min(record.h, use::opening_growth * h) : 0;
   }
   return StepStatus::ok;
 }
@@ -164,27 +164,27 @@ double DampedSteps::memory(const StepContext& context) {
 
 /// Beside what is left of the errors before after h.
 void DampedSteps::book(const Call& call, double h, double error, double lasting) {
-  Path& path = call.context.run.path;
+  PhysicalState& physical = call.context.run.physical;
   const bool held = call.context.drive.held();
-  const double fades = held ? call.memory : call.context.run.course.damped.fades;
+  const double fades = held ? call.memory : call.context.run.control.damped.fades;
   if (held) lasting = 0;
-  path.damped_error += lasting;
-  path.damped_fading = path.damped_fading * (fades > 0 ? std::max(0.0, 1 - h / fades) : 1) + (error - lasting);
+  physical.damped_error += lasting;
+  physical.damped_fading = physical.damped_fading * (fades > 0 ? std::max(0.0, 1 - h / fades) : 1) + (error - lasting);
 }
 
 /// again: the step before was as long.
 DampedSteps::Step DampedSteps::take(const Call& call, double until, bool again) {
   const StepContext& context = call.context;
-  Path& path = context.run.path;
-  const double h = until - path.motion.time;
-  path.clock = {path.motion.time, h, 0};
+  PhysicalState& physical = context.run.physical;
+  const double h = until - physical.motion.time;
+  physical.clock = {physical.motion.time, h, 0};
   const double most = std::max(call.integrators.patience(), use::doubled_work * h / call.limit);
   context.run.energy.kinetic_elastic = -1;  // implicit steps have a guard of their own
-  const Outcome outcome =
-      call.integrators.take(context, Method::sdirk2, {path.motion.time, 0, h, 1, most, infinity, use::solved * call.tolerance(), again});
-  context.run.course.work += outcome.work;
-  path.motion.time = until;
-  ++path.steps;
+  const Outcome outcome = call.integrators.take(context, Method::sdirk2,
+                                                {physical.motion.time, 0, h, 1, most, infinity, use::solved * call.tolerance(), again});
+  context.run.control.work += outcome.work;
+  physical.motion.time = until;
+  ++physical.steps;
   const Slip& slip = outcome.slip;
   const bool turned = slip.load > 0 && (slip.stopped + slip.loosened) / slip.load * h > use::slight_slip * call.allowed(h);
   return {outcome.status, outcome.constraints, turned, outcome.bend, outcome.lost, 0.5 * h * slip.rigid};
@@ -211,9 +211,9 @@ double DampedSteps::passed_over(const Call& call, double h, double lost) const {
 
 /// On obstacles and pins: what the impulses of the two runs differ by at most, in what may be left [1], and the largest force so far [N].
 DampedSteps::Forces DampedSteps::compare_forces(const Call& call) const {
-  const Exchange &begin = start_.exchange, &one = coarse_.exchange, &other = call.context.run.path.exchange;
-  const double h = call.context.run.path.motion.time - start_.motion.time;
-  double largest = call.context.run.course.damped.force, difference = 0;
+  const Exchange &begin = start_.exchange, &one = coarse_.exchange, &other = call.context.run.physical.exchange;
+  const double h = call.context.run.physical.motion.time - start_.motion.time;
+  double largest = call.context.run.control.damped.force, difference = 0;
   const auto compare = [&](const std::vector<Impulse>& from, const std::vector<Impulse>& a, const std::vector<Impulse>& b) {
     for (std::size_t q = 0; q < a.size(); ++q) {
       largest = std::max(largest, (b[q].force - from[q].force).norm() / h);
@@ -231,9 +231,9 @@ DampedSteps::Forces DampedSteps::compare_forces(const Call& call) const {
 /// steps of half the length beside.
 StepStatus DampedSteps::step(const Call& call, double until) {
   Run& run = call.context.run;
-  DampedRecord& record = run.course.damped;
-  const double h = until - run.path.motion.time, allowed = call.allowed(h);
-  Snapshot snapshot(run.path, start_);
+  DampedRecord& record = run.control.damped;
+  const double h = until - run.physical.motion.time, allowed = call.allowed(h);
+  Snapshot snapshot(run.physical, start_);
   const Step coarse = take(call, until);
   if (record.trust > 0) {
     const double bent = record.share * coarse.bend, beside = passed_over(call, h, coarse.lost) + coarse.rigid, error = bent + beside;
@@ -246,13 +246,13 @@ StepStatus DampedSteps::step(const Call& call, double until) {
       snapshot.commit();
       return StepStatus::ok;
     }
-    ++run.course.rejected;
+    ++run.control.rejected;
     record.trust = 0;
     record.next_trust = 1;
   }
   Judged judged{.error = infinity, .ratio = infinity};
   if (coarse.status == StepStatus::ok) {
-    std::swap(coarse_, run.path);
+    std::swap(coarse_, run.physical);
     snapshot.rollback();
     judged = run_halves(call, until, allowed, coarse);
   }
@@ -263,7 +263,7 @@ StepStatus DampedSteps::step(const Call& call, double until) {
     snapshot.commit();
     return StepStatus::ok;
   }
-  run.course.rejected += 3;
+  run.control.rejected += 3;
   record.trust = 0;
   record.next_trust = 1;
   record.h = h * std::clamp(std::isfinite(judged.ratio) ? judged.growth() : 0, use::window_shrink, use::loss_shrink * 2);
@@ -273,13 +273,13 @@ StepStatus DampedSteps::step(const Call& call, double until) {
 /// The two steps of half the length, beside the whole one in coarse_.
 DampedSteps::Judged DampedSteps::run_halves(const Call& call, double until, double allowed, const Step& coarse) {
   const StepContext& context = call.context;
-  Path& path = context.run.path;
-  const double begin = path.motion.time, h = until - begin;
+  PhysicalState& physical = context.run.physical;
+  const double begin = physical.motion.time, h = until - begin;
   const Step first = take(call, begin + 0.5 * h);
   if (first.status != StepStatus::ok) return {.error = infinity, .ratio = infinity};
   const Step second = take(call, until, true);
   if (second.status != StepStatus::ok) return {.error = infinity, .ratio = infinity};
-  const Count before = context.run.course.damped.constraints;
+  const Count before = context.run.control.damped.constraints;
   Judged judged{.constraints = second.constraints};
   judged.steady = !coarse.turned && !first.turned && !second.turned && (before == 0 || before == first.constraints) &&
                   first.constraints == second.constraints && second.constraints == coarse.constraints;
@@ -287,10 +287,10 @@ DampedSteps::Judged DampedSteps::run_halves(const Call& call, double until, doub
   const Forces forces = compare_forces(call);
   judged.force = forces.largest;
   const Outlook out = ahead(context);
-  const double size = left_over(context, coarse_.motion, path.motion, out).size;
+  const double size = final_error(context, coarse_.motion, physical.motion, out).size;
   judged.error = order * size + first.rigid + second.rigid;
   judged.fades = out.along_normal < out.left ? out.along_normal : 0;
-  if (!context.drive.held()) judged.lasting = order * lasting_part(context, coarse_.motion, path.motion, out, size);
+  if (!context.drive.held()) judged.lasting = order * lasting_part(context, coarse_.motion, physical.motion, out, size);
   judged.lasting += first.rigid + second.rigid;
   judged.ratio = std::max(judged.error / allowed, (judged.steady ? order : use::force_at_events) * forces.difference);
   judged.over = passed_over(call, h, first.lost + second.lost);
@@ -309,7 +309,7 @@ double DampedSteps::Judged::growth() const {
 /// The halves count. bend: of the whole step.
 void DampedSteps::accept(const Call& call, double h, double allowed, double bend, const Judged& judged) {
   Run& run = call.context.run;
-  DampedRecord& record = run.course.damped;
+  DampedRecord& record = run.control.damped;
   book(call, h, judged.error, judged.lasting);
   record.constraints = judged.constraints;
   record.doubts = 0;
@@ -330,21 +330,21 @@ void DampedSteps::accept(const Call& call, double h, double allowed, double bend
 /// Explicit steps for a while, longer each time that implicit ones do not pay again.
 StepStatus DampedSteps::take_explicit(const Call& call) {
   const StepContext& context = call.context;
-  DampedRecord& record = context.run.course.damped;
-  const double begin = context.run.path.motion.time;
+  DampedRecord& record = context.run.control.damped;
+  const double begin = context.run.physical.motion.time;
   if (!explicit_turn(record, begin)) {
     record.explicit_until = begin + double(Count{1} << record.doubts) * use::damped_turn * call.worth();
     record.doubts = std::min(record.doubts + 1, use::most_damped_doubts);
   }
   const double until = std::min(record.explicit_until, call.end);
-  context.run.course.method = Method::leapfrog;
-  const double before = context.run.course.work, left = call.integrators.budget().left();
+  context.run.control.method = Method::leapfrog;
+  const double before = context.run.control.work, left = call.integrators.budget().left();
   const double forecast = call.others.times() * step_work(context.model.body, context.drive, context.run, Method::leapfrog, call.limit) *
                           (until - begin) / call.limit;
   const double most = std::max(use::lost_explicit * forecast, call.integrators.implicit_work().in_contact());
   const StepStatus status = call.others.run(call.integrators, context, until, most);
-  const double now = context.run.path.motion.time;
-  record.rate = (context.run.course.work - before) / (until - begin);
+  const double now = context.run.physical.motion.time;
+  record.rate = (context.run.control.work - before) / (until - begin);
   if (now < until) {  // implicit ones go on
     record.rate = (left - call.integrators.budget().left()) / (now - begin);
     record.explicit_until = now;

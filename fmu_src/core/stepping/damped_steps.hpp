@@ -28,7 +28,7 @@ class DampedSteps {
     StepStatus run(Integrators& integrators, const StepContext& context, double until, double most) const;
   };
 
-  DampedSteps(const Lattice& lattice, const Run& run) : slowest_(lattice), start_(run.path), coarse_(run.path) {}
+  DampedSteps(const Lattice& lattice, const Run& run) : slowest_(lattice), start_(run.physical), coarse_(run.physical) {}
   /// others: for where implicit steps do not pay; none: never.
   StepStatus run(Integrators& integrators, const StepContext& context, double end, const ExplicitSteps& others);
   /// Shortest implicit step that costs no more than explicit ones in its place [s].
@@ -71,7 +71,7 @@ class DampedSteps {
   double memory(const StepContext& context);
 
   SlowestVibration slowest_;
-  Path start_, coarse_;
+  PhysicalState start_, coarse_;
 };
 
 }  // namespace softffd

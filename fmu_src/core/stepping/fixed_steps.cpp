@@ -34,7 +34,7 @@ void refine(Clock& clock, Count times) {
 /// once if it must be finer. A step that has to be divided gets the distance from the limit that automatic ones keep; close to it every
 /// vibration would change the division, and feed itself by that.
 StepStatus divide_unit(const Budget& budget, const StepContext& context, Method method) {
-  Clock& clock = context.run.path.clock;
+  Clock& clock = context.run.physical.clock;
   const double unit = context.request.step, wanted = unit * context.request.step_factor;
   const Count into = clock.unit == unit ? clock.count % clock.parts : 0;
   const double limit = tighter(wanted, step_limit(context, method, true));
@@ -45,7 +45,7 @@ StepStatus divide_unit(const Budget& budget, const StepContext& context, Method 
   const bool too_long = divisions(clock.h, limit) > 1;
   if (into == 0 && (clock.unit != unit || too_long || again || target > use::regrowth * clock.h)) {
     const Count parts = divisions(unit, target);
-    clock = {context.run.path.motion.time, unit / double(parts), 0, unit, parts};
+    clock = {context.run.physical.motion.time, unit / double(parts), 0, unit, parts};
   } else if (too_long) {
     refine(clock, divisions(clock.h, target));
   }
@@ -53,12 +53,12 @@ StepStatus divide_unit(const Budget& budget, const StepContext& context, Method 
 }
 
 StepStatus run_stretch(Integrators& integrators, const StepContext& context, Method method, Count steps) {
-  Path& path = context.run.path;
-  const Span span{path.clock.origin, path.clock.count, path.clock.h, steps};
-  path.clock.count += steps;
-  path.steps += steps;
+  PhysicalState& physical = context.run.physical;
+  const Span span{physical.clock.origin, physical.clock.count, physical.clock.h, steps};
+  physical.clock.count += steps;
+  physical.steps += steps;
   const Outcome outcome = integrators.take(context, method, span);
-  context.run.course.work += outcome.work;
+  context.run.control.work += outcome.work;
   return outcome.status;
 }
 
@@ -71,12 +71,12 @@ Count counted_units(const Request& request, double H) {
 
 /// Looks are counted, so that they fall on the same moments however the time is cut.
 StepStatus run_counted(Integrators& integrators, const StepContext& context, Method method, Count units) {
-  Clock& clock = context.run.path.clock;
+  Clock& clock = context.run.physical.clock;
   const Budget& budget = integrators.budget();
   while (units > 0) {
     const bool other = clock.unit != context.request.step;
     const bool begins_divided = !other && clock.parts > 1 && clock.count % clock.parts == 0;
-    if (other || context.run.course.bound < 0 || clock.count % use::look_every == 0 || begins_divided || context.request.step_factor < 1)
+    if (other || context.run.control.bound < 0 || clock.count % use::look_every == 0 || begins_divided || context.request.step_factor < 1)
       if (const StepStatus status = divide_unit(budget, context, method); status != StepStatus::ok) return status;
     if (!budget.covers(double(units) * double(clock.parts) * step_work(context.model.body, context.drive, context.run, method, clock.h)))
       return StepStatus::too_much_work;
@@ -84,7 +84,7 @@ StepStatus run_counted(Integrators& integrators, const StepContext& context, Met
     const Count ahead = std::min(left, use::look_every - clock.count % use::look_every);
     const StepStatus status = run_stretch(integrators, context, method, ahead);
     if (status != StepStatus::ok) return status;
-    context.run.path.motion.time = clock.time();
+    context.run.physical.motion.time = clock.time();
     if (clock.parts == 1)
       units -= ahead;
     else if (clock.count % clock.parts == 0)
@@ -95,12 +95,12 @@ StepStatus run_counted(Integrators& integrators, const StepContext& context, Met
 
 StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const StepContext& context, Method method, double end,
                       double pause_at) {
-  State& motion = context.run.path.motion;
-  Clock& clock = context.run.path.clock;
+  State& motion = context.run.physical.motion;
+  Clock& clock = context.run.physical.clock;
   const Request& request = context.request;
   const bool given = request.step > 0;
   const bool stable_only = method == Method::central_difference && !context.drive.planes.empty();  // its contact does not converge
-  Calibration& calibration = context.run.course.calibration(method);
+  Calibration& calibration = context.run.control.calibration(method);
   Count steps = 0;
   while (true) {
     if (stable_only)
@@ -120,7 +120,7 @@ StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const St
     if (status != StepStatus::ok) return status;
     steps -= ahead;
     motion.time = steps == 0 ? end : clock.time();
-    if (steps == 0 || context.run.course.work >= pause_at) return StepStatus::ok;
+    if (steps == 0 || context.run.control.work >= pause_at) return StepStatus::ok;
   }
 }
 

@@ -30,10 +30,10 @@ namespace use = thresholds;
 }  // namespace
 
 StepStatus Propagator::advance(const StepContext& context, double H) {
-  Course& course = context.run.course;
-  course.usual = std::max(H, use::usual_decay * course.usual);
+  ControllerState& control = context.run.control;
+  control.usual = std::max(H, use::usual_decay * control.usual);
   if (!plans_every_given_step(facts(context, H))) return advance_planned(context, H);
-  const Clock& clock = context.run.path.clock;
+  const Clock& clock = context.run.physical.clock;
   for (Count left = counted_units(context.request, H); left > 0; --left) {
     if (clock.unit == context.request.step && !budget().covers(double(left) * double(clock.parts))) return StepStatus::too_much_work;
     const StepStatus status = advance_planned(context, context.request.step);
@@ -65,7 +65,7 @@ Facts Propagator::facts(const StepContext& context, double H) const {
 }
 
 void Propagator::find(Want want, const StepContext& context, double H, Facts& facts) {
-  const State& motion = context.run.path.motion;
+  const State& motion = context.run.physical.motion;
   if (want == Want::clear) facts.clear = off_obstacles(context.drive, motion.time, motion.x, touching * context.model.body.length);
   if (want == Want::within_reach) facts.within_reach = integrators_.broad_phase().may_touch(context.equations(), motion, H);
   if (want == Want::rings) facts.rings = impacts_.of(lattice_, context.run).rings_about_rest(context);
@@ -81,7 +81,7 @@ StepStatus Propagator::advance_planned(const StepContext& context, double H) {
       continue;
     }
     if (next.rollback == Rollback::never) return carry_out(context, next, H);
-    Snapshot snapshot(context.run.path, start_);
+    Snapshot snapshot(context.run.physical, start_);
     const StepStatus status = carry_out(context, next, H);
     if (!rolls_back(context, next, status, known)) {
       snapshot.commit();
@@ -94,17 +94,17 @@ StepStatus Propagator::advance_planned(const StepContext& context, double H) {
 bool Propagator::rolls_back(const StepContext& context, const Plan& plan, StepStatus status, Facts& facts) {
   if (plan.rollback == Rollback::never || status != StepStatus::contact_ahead) return false;
   facts.came_upon_obstacle = true;
-  context.run.course.rejected += context.run.path.steps - start_.steps;
+  context.run.control.rejected += context.run.physical.steps - start_.steps;
   return true;
 }
 
 StepStatus Propagator::carry_out(const StepContext& context, const Plan& plan, double H) {
-  Course& course = context.run.course;
-  const double begun = context.run.path.motion.time, end = begun + H;
-  if (plan.method != course.method) context.run.path.clock.unit = 0;  // how a given step is divided was for the other method
-  course.method = plan.method;
-  course.reason = plan.reason;
-  if (plan.steps != Steps::impacts && !context.drive.planes.empty()) context.run.path.stiff.begin(Phase::flight);
+  ControllerState& control = context.run.control;
+  const double begun = context.run.physical.motion.time, end = begun + H;
+  if (plan.method != control.method) context.run.physical.clock.unit = 0;  // how a given step is divided was for the other method
+  control.method = plan.method;
+  control.reason = plan.reason;
+  if (plan.steps != Steps::impacts && !context.drive.planes.empty()) context.run.physical.stiff.begin(Phase::flight);
   switch (plan.steps) {
     case Steps::implicit: return run_implicit(integrators_, context, plan.method, end);
     case Steps::damped:
@@ -122,36 +122,36 @@ StepStatus Propagator::carry_out(const StepContext& context, const Plan& plan, d
 }
 
 StepStatus Propagator::run_by_trials(const StepContext& context, double end) {
-  Course& course = context.run.course;
-  const State& motion = context.run.path.motion;
+  ControllerState& control = context.run.control;
+  const State& motion = context.run.physical.motion;
   const bool parts = std::ranges::any_of(context.drive.free, &FreeMotion::part);  // the others know none
   while (motion.time < end) {
     const double left = end - motion.time;
     if (parts) {
-      course.trials.winner = Method::leapfrog;
-      course.trials.reason = Reason::stability;
-      course.trials.forecast = 0;
-      course.trials.due = infinity;
+      control.trials.winner = Method::leapfrog;
+      control.trials.reason = Reason::stability;
+      control.trials.forecast = 0;
+      control.trials.due = infinity;
     } else if (TrialRuns::due(context, left))
       trial_runs_.of(context.run).run(integrators_, calibrator_.of(context.run), context, left);
-    const Method method = course.method = course.trials.winner;
-    course.reason = course.trials.reason;
+    const Method method = control.method = control.trials.winner;
+    control.reason = control.trials.reason;
     if (motion.time == end) break;  // a trial took it there
     const Body& body = context.model.body;
     const bool creeps =
         !context.drive.pins.empty() && body.dashpots() && context.request.method == Method::automatic && !body.explicit_alone;
     const DampedSteps::ExplicitSteps others{.free = &calibrator_.of(context.run)};
     if (creeps && !is_implicit(method) && left > DampedSteps::worth(integrators_, context, others)) {
-      course.reason = Reason::quiet_stiffness;
+      control.reason = Reason::quiet_stiffness;
       return damped_.of(lattice_, context.run).run(integrators_, context, end, others);
     }
-    if (course.trials.forecast > use::too_long * budget().left()) return StepStatus::too_much_work;
-    const double pause_at = std::min(course.trials.due, course.work + use::overrun * course.trials.forecast + use::shortest_pause);
+    if (control.trials.forecast > use::too_long * budget().left()) return StepStatus::too_much_work;
+    const double pause_at = std::min(control.trials.due, control.work + use::overrun * control.trials.forecast + use::shortest_pause);
     const StepStatus status = traits(method).error_control()
                                   ? run_controlled(integrators_, context, method, end, pause_at)
                                   : run_fitted(integrators_, calibrator_.of(context.run), context, method, end, pause_at);
     if (status != StepStatus::ok) return status;
-    if (motion.time < end) course.trials.due = course.work;
+    if (motion.time < end) control.trials.due = control.work;
   }
   return StepStatus::ok;
 }

@@ -40,7 +40,7 @@ class Propagator {
   Lazy<DampedSteps> damped_;
   Lazy<Impacts> impacts_;
   Lazy<TrialRuns> trial_runs_;
-  Path start_;  ///< of a stretch that may have to be gone back to
+  PhysicalState start_;  ///< of a stretch that may have to be gone back to
 };
 
 }  // namespace softffd

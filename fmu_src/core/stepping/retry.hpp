@@ -23,15 +23,15 @@ inline constexpr double mended = 0.25;
 template <class Attempt>
 StepStatus retry_divided(Run& run, Snapshot<Run>& snapshot, double most, double step_factor, StepStatus failure, double& divided,
                          Attempt&& attempt) {
-  const double begun = snapshot.before().course.work;
-  double work = run.course.work - begun;
+  const double begun = snapshot.before().control.work;
+  double work = run.control.work - begun;
   for (int halvings = 0; halvings < thresholds::most_halvings && 2 * work <= most; ++halvings) {
     step_factor /= 2;
     divided *= 2;
     snapshot.rollback();
     const StepStatus status = attempt(step_factor);
     if (status != StepStatus::not_finite && status != StepStatus::too_much_work) return status;
-    work += run.course.work - begun;
+    work += run.control.work - begun;
   }
   return failure;
 }
@@ -42,8 +42,8 @@ StepStatus retry_divided(Run& run, Snapshot<Run>& snapshot, double most, double 
 template <class Attempt>
 StepStatus retry_gained(Run& run, Snapshot<Run>& snapshot, Budget& budget, double most, EnergyAccount at_start, Attempt&& attempt) {
   const EnergyAccount& before = snapshot.before().energy;
-  const double gained = run.energy.gained, gained_before = at_start.gained, begun = snapshot.before().course.work;
-  double work = run.course.work - begun, step_factor = before.step_factor;
+  const double gained = run.energy.gained, gained_before = at_start.gained, begun = snapshot.before().control.work;
+  double work = run.control.work - begun, step_factor = before.step_factor;
   at_start.gained = at_start.due = 0;
   Budget::Reserve again(budget, (most - budget.left()) / (1 - thresholds::passing_over));
   bool tried = false;
@@ -53,7 +53,7 @@ StepStatus retry_gained(Run& run, Snapshot<Run>& snapshot, Budget& budget, doubl
     snapshot.rollback();
     run.energy = at_start;
     if (attempt(step_factor) != StepStatus::ok) break;
-    work += run.course.work - begun;
+    work += run.control.work - begun;
     run.energy.step_factor = step_factor;
     const bool mended = run.energy.gained <= thresholds::mended * (gained - gained_before);
     if (mended || gained_before > (1 - thresholds::mended) * gained) return StepStatus::ok;

@@ -121,44 +121,44 @@ double of_late(ContactSteps& contact, double error, double h, Count steps) {
 }  // namespace
 
 StepStatus StepDoubling::run(Integrators& integrators, const StepContext& context, double end, double most) {
-  const State& motion = context.run.path.motion;
+  const State& motion = context.run.physical.motion;
   const double begin = motion.time, least_left = most < infinity ? integrators.budget().left() - most : -infinity;
   Count taken = 0;
   while (motion.time < end && integrators.budget().left() >= least_left) {
-    const double limit = step_limit(context, Method::leapfrog, false), left = end - motion.time, known = context.run.course.contact.h;
+    const double limit = step_limit(context, Method::leapfrog, false), left = end - motion.time, known = context.run.control.contact.h;
     const double h = known > 0 ? tighter(known, limit) : limit;
     const double work = left / limit * step_work(context.model.body, context.drive, context.run, Method::leapfrog, limit);
     if (!integrators.budget().covers(work)) return refusal(work);
     const StepStatus status = run_stretch(integrators, context, {limit, h, end, motion.time == begin}, taken);
     if (status != StepStatus::ok) return status;
   }
-  context.run.path.steps += taken;
+  context.run.physical.steps += taken;
   return StepStatus::ok;
 }
 
 StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext& context, Stretch stretch, Count& taken) {
-  Path& path = context.run.path;
-  Course& course = context.run.course;
-  ContactSteps& contact = course.contact;
+  PhysicalState& physical = context.run.physical;
+  ControllerState& control = context.run.control;
+  ContactSteps& contact = control.contact;
   const Body& body = context.model.body;
   const double least = shortest_in_contact(context, stretch.limit);
   const bool at_limit = stretch.at_limit();
-  Snapshot snapshot(path, start_);
-  const double begin = path.motion.time, left = stretch.end - begin;
+  Snapshot snapshot(physical, start_);
+  const double begin = physical.motion.time, left = stretch.end - begin;
   const auto run = [&](double h, Count steps) {
     const Outcome outcome = integrators.take(context, Method::leapfrog, {begin, 0, h, steps});
-    course.work += outcome.work;
+    control.work += outcome.work;
     return outcome;
   };
   double h = stretch.h;
   for (int tries = 0;; ++tries) {
     const Count total = divisions(left, h), steps = std::min(total, use::stretch_steps);
     const double part = left / double(total), next = steps == total ? stretch.end : begin + double(steps) * part;
-    path.clock = {begin, part, 0};
-    const auto follow = [&](bool impact, const LeftOver& leaves, bool anyway) {
-      const bool followed = course.neighbour.follows;
+    physical.clock = {begin, part, 0};
+    const auto follow = [&](bool impact, const FinalError& leaves, bool anyway) {
+      const bool followed = control.neighbour.follows;
       landings_.follow(integrators, context, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact, 0, anyway);
-      if (!followed && !course.neighbour.follows) path.error.add(leaves);
+      if (!followed && !control.neighbour.follows) physical.error.add(leaves);
     };
     if (at_limit && tries == 0 && contact.free > 0) {
       const Outcome once = run(part, steps);
@@ -167,30 +167,30 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
       if (!impact || contact.impact > 0) {
         --(impact ? contact.impact : contact.free);
         taken += steps;
-        path.motion.time = next;
-        follow(impact, contact.left_over, false);
+        physical.motion.time = next;
+        follow(impact, contact.final_error, false);
         snapshot.commit();
         return StepStatus::ok;
       }
-      course.rejected += steps;
+      control.rejected += steps;
       snapshot.rollback();
     }
     const Outcome coarse = run(part, steps);
     if (coarse.status != StepStatus::ok) return coarse.status;
-    std::swap(coarse_, path.motion);
+    std::swap(coarse_, physical.motion);
     snapshot.rollback();
     const Outcome fine = run(0.5 * part, 2 * steps);
     if (fine.status != StepStatus::ok) return fine.status;
     const bool impact = coarse.impacts + fine.impacts > 0;
-    const bool strikes = impact && body.samples, follows = course.neighbour.follows;
+    const bool strikes = impact && body.samples, follows = control.neighbour.follows;
     const bool lands = strikes && !follows && off_obstacles(body, context.drive, begin, start_.motion.x, touching * body.length);
     const bool rattles = (strikes && !lands) || (body.samples && follows && body.dashpots());
     const double allowed = forecast_share(body, rattles) * context.request.tolerance * power(context.request.step_factor, 2);
     const double stretch_time = double(steps) * part, of_difference = strikes || rattles ? 1 : 1.0 / 3;  // the finer run's error
-    const LeftOver leaves =
-        left_over(context, coarse_, path.motion, outlook(context, path.motion), rattles ? stretch_time : 0).times(of_difference);
+    const FinalError leaves =
+        final_error(context, coarse_, physical.motion, outlook(context, physical.motion), rattles ? stretch_time : 0).times(of_difference);
     const double by_end =
-        rattles ? scattered(context, coarse_, path.motion, stretch_time) : growing(context, coarse_, path.motion, stretch_time);
+        rattles ? scattered(context, coarse_, physical.motion, stretch_time) : growing(context, coarse_, physical.motion, stretch_time);
     const double error = strikes || rattles ? worse(by_end, leaves.size) : of_difference * by_end;
     const TriedStretch tried{part, error, impact};
     const bool vain =
@@ -200,7 +200,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const bool last = vain || part <= least || tries == use::most_reruns;
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * wanted || last) {
-      contact.left_over.learn(leaves.times(4));
+      contact.final_error.learn(leaves.times(4));
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;
       const double trusted = contact.free_next > 1 ? use::trusted : use::trusted_at_first;
@@ -210,14 +210,14 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
         choose_step(contact, {part, worst, impact}, rattles, wanted, vain, least);
       else
         contact.h = step_after({part, worst}, allowed, least);
-      path.clock = {begin, 0.5 * part, 0};
+      physical.clock = {begin, 0.5 * part, 0};
       taken += 2 * steps;
-      path.motion.time = next;
+      physical.motion.time = next;
       follow(impact, leaves, leaves.size > use::noticed * context.request.tolerance);
       snapshot.commit();
       return StepStatus::ok;
     }
-    course.rejected += 2 * steps;
+    control.rejected += 2 * steps;
     if (body.samples) contact.tried = tried;
     snapshot.rollback();
     h = std::max(part * std::clamp(factor_after(wanted, error), use::rerun_shrink, use::rerun_growth), least);

@@ -10,7 +10,7 @@ namespace softffd {
 
 class StepDoubling {
  public:
-  explicit StepDoubling(const Run& run) : start_(run.path), landings_(run), coarse_(run.path.motion) {}
+  explicit StepDoubling(const Run& run) : start_(run.physical), landings_(run), coarse_(run.physical.motion) {}
   /// To `end`, or until so much work is spent.
   StepStatus run(Integrators& integrators, const StepContext& context, double end, double most = infinity);
   Landings& landings() { return landings_; }
@@ -24,7 +24,7 @@ class StepDoubling {
     bool at_limit() const { return h == limit; }
   };
   StepStatus run_stretch(Integrators& integrators, const StepContext& context, Stretch stretch, Count& taken);
-  Path start_;
+  PhysicalState start_;
   Landings landings_;
   State coarse_;
 };

@@ -43,16 +43,16 @@ bool creeps(const StepContext& context) {
 }
 
 double fixed_work(const StepContext& context, Method method, double H) {
-  const double h = tighter(step_limit(context, method, false), context.run.course.calibration(method).h);
+  const double h = tighter(step_limit(context, method, false), context.run.control.calibration(method).h);
   return double(divisions(H, h)) * step_work(context.model.body, context.drive, context.run, method, h);
 }
 
 }  // namespace
 
 bool TrialRuns::due(const StepContext& context, double H) {
-  const Course& course = context.run.course;
-  const bool due = course.work >= (context.request.jolt ? course.trials.soon : course.trials.due) && H >= use::sliver * course.usual;
-  return course.trials.winner == Method::automatic || due || use::sliver * H > course.trials.window;
+  const ControllerState& control = context.run.control;
+  const bool due = control.work >= (context.request.jolt ? control.trials.soon : control.trials.due) && H >= use::sliver * control.usual;
+  return control.trials.winner == Method::automatic || due || use::sliver * H > control.trials.window;
 }
 
 void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const StepContext& context, double H) {
@@ -60,7 +60,7 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
   const Body& body = context.model.body;
   spent_ = 0;
   Candidates candidates;
-  candidates.before = context.run.course.trials.winner;
+  candidates.before = context.run.control.trials.winner;
   const double longest = step_limit(context, Method::leapfrog, false),
                each = step_work(body, context.drive, context.run, Method::leapfrog, longest);
   candidates.least = std::max(1.0, H / longest) * each;
@@ -85,8 +85,8 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
     }
   }
   const Winner winner = settle(candidates);
-  TrialRecord& record = context.run.course.trials;
-  const double work = context.run.course.work;
+  TrialRecord& record = context.run.control.trials;
+  const double work = context.run.control.work;
   record.winner = winner.method;
   record.reason = winner.reason;
   record.forecast = winner.work;
@@ -100,7 +100,7 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
 /// work of the others. First that of leapfrog at its stability limit, of which strong internal damping leaves little accuracy: where the
 /// tolerance asks for much more, the trial runs come back with that.
 void TrialRuns::try_implicit(Integrators& integrators, const StepContext& context, double H, double others, Candidates& candidates) {
-  const State& motion = context.run.path.motion;
+  const State& motion = context.run.physical.motion;
   candidates.implicit = implicit_method(!context.drive.pins.empty(), H * bound(context), turning_limit(context, motion.x, motion.v) < H);
   const double step_work = integrators.implicit_work().step;
   const double matrices = (1 + double(creeps(context) ? use::creep_parts : 1)) * integrators.implicit_work().factor;
@@ -118,7 +118,7 @@ void TrialRuns::try_implicit(Integrators& integrators, const StepContext& contex
 /// Where internal damping leaves fast modes no vibration, shorter implicit ones do: explicit ones err there themselves.
 bool TrialRuns::fast_modes_are_quiet(Integrators& integrators, const StepContext& context, Method method, double H) {
   const ImplicitWork& implicit = integrators.implicit_work();
-  State& motion = context.run.path.motion;
+  State& motion = context.run.physical.motion;
   const bool creep = creeps(context);
   const double longest = creep ? step_limit(context, method, false) : infinity;  // no step of it turns the body further
   const double way = std::min({H, use::calibration_window / bound(context), longest}), begin = motion.time;
@@ -146,18 +146,19 @@ double TrialRuns::implicit_work(Integrators& integrators, const StepContext& con
   Run& run = context.run;
   Snapshot snapshot(run, start_);
   const Run& before = snapshot.before();
-  const double end = run.path.motion.time + H;
-  const StepStatus status = run_controlled(integrators, context, method, end, run.course.work + budget);
-  const double work = run.course.work - before.course.work;
+  const double end = run.physical.motion.time + H;
+  const StepStatus status = run_controlled(integrators, context, method, end, run.control.work + budget);
+  const double work = run.control.work - before.control.work;
   spent_ += work;
-  if (status != StepStatus::ok || run.path.motion.time < end) return infinity;
-  const double passed_over = use::resolved * run.course.controlled_step(method);
-  if (too_loud(present_vibration(context.equations(), before.path.motion, context.model.time_scale, passed_over),
+  if (status != StepStatus::ok || run.physical.motion.time < end) return infinity;
+  const double passed_over = use::resolved * run.control.controlled_step(method);
+  if (too_loud(present_vibration(context.equations(), before.physical.motion, context.model.time_scale, passed_over),
                context.request.tolerance))
     return infinity;
   snapshot.commit();
   // a factor is kept for later communication steps
-  const double made = double(run.course.factors - before.course.factors), used = std::max(1.0, double(run.path.steps - before.path.steps));
+  const double made = double(run.control.factors - before.control.factors),
+               used = std::max(1.0, double(run.physical.steps - before.physical.steps));
   return work - integrators.implicit_work().factor * std::max(0.0, made - used / double(Ros34pw2::most_uses));
 }
 
@@ -166,12 +167,12 @@ double TrialRuns::controlled_work(Integrators& integrators, const StepContext& c
   double h = 0;
   {
     Snapshot snapshot(context.run, start_);
-    const StepStatus status = run_controlled(integrators, context, method, context.run.path.motion.time + window, infinity);
-    spent_ += context.run.course.work - snapshot.before().course.work;
+    const StepStatus status = run_controlled(integrators, context, method, context.run.physical.motion.time + window, infinity);
+    spent_ += context.run.control.work - snapshot.before().control.work;
     if (status != StepStatus::ok) return infinity;
-    h = context.run.course.controlled_step(method);
+    h = context.run.control.controlled_step(method);
   }
-  context.run.course.controlled_step(method) = h;
+  context.run.control.controlled_step(method) = h;
   return double(divisions(H, tighter(h, step_limit(context, method, false)))) * traits(method).work;
 }
 

@@ -1,5 +1,5 @@
 /// Trial runs: each candidate that could win is tried on a short stretch, or on the communication step itself, and what that took is
-/// written to run.course.trials. Its facts are the works; plan.hpp decides. All trials are taken back, but for implicit steps that win:
+/// written to run.control.trials. Its facts are the works; plan.hpp decides. All trials are taken back, but for implicit steps that win:
 /// they have done what is left of the communication step already.
 #pragma once
 #include "kit/integrators.hpp"
@@ -10,7 +10,7 @@ namespace softffd {
 
 class TrialRuns {
  public:
-  explicit TrialRuns(const Run& run) : start_(run), fine_(run.path.motion) {}
+  explicit TrialRuns(const Run& run) : start_(run), fine_(run.physical.motion) {}
 
   /// Are trial runs due for what is left [s] of the communication step?
   static bool due(const StepContext& context, double H);

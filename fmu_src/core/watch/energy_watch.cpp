@@ -62,24 +62,24 @@ void look(EnergyAccount& account, const Equations& equations, const State& state
 }
 
 /// Whether the body is in windows between flights: what counts as its energy there is another, by the size of their steps.
-bool between_flights(const Run& run) { return run.course.reason == Reason::impact; }
+bool between_flights(const Run& run) { return run.control.reason == Reason::impact; }
 
-double staggered_step(const Run& run) { return traits(run.course.method).staggered ? run.path.clock.h : 0; }
+double staggered_step(const Run& run) { return traits(run.control.method).staggered ? run.physical.clock.h : 0; }
 
 double lost(EnergyAccount account, const Equations& equations, const Run& run) {
   if (account.kinetic_elastic < 0) return 0;
   if (between_flights(run)) return -account.balance;
-  look(account, equations, run.path.motion, staggered_step(run), 0);
+  look(account, equations, run.physical.motion, staggered_step(run), 0);
   return -account.balance;
 }
 
 double open_account(Run& now, const Run& before, const Model& model, const Drive& drive, bool changed, bool moved) {
   EnergyAccount& account = now.energy;
-  const State &motion = now.path.motion, &start_motion = before.path.motion;
+  const State &motion = now.physical.motion, &start_motion = before.physical.motion;
   const bool far = moved && (motion.x - start_motion.x).abs().maxCoeff() > far_jump * model.body.length;
   if (account.kinetic_elastic < 0 || changed || far) {
-    start(account, {model.body, drive}, motion, now.course.work);
-    return now.path.exchange.work;
+    start(account, {model.body, drive}, motion, now.control.work);
+    return now.physical.exchange.work;
   }
   if (moved) account.received -= 0.5 * ((motion.spring + start_motion.spring) * (motion.x - start_motion.x)).sum();
   return 0;
@@ -87,23 +87,23 @@ double open_account(Run& now, const Run& before, const Model& model, const Drive
 
 void close_account(Run& now, const Model& model, const Drive& drive, const Points& begin, double booked) {
   EnergyAccount& account = now.energy;
-  if (account.kinetic_elastic < 0 || now.course.method == Method::backward_euler ||
-      now.course.method == Method::sdirk2) {  // has a guard of its own
+  if (account.kinetic_elastic < 0 || now.control.method == Method::backward_euler ||
+      now.control.method == Method::sdirk2) {  // has a guard of its own
     account.kinetic_elastic = -1;
     return;
   }
-  const Exchange& exchange = now.path.exchange;
-  const bool flew = now.course.reason == Reason::impact || now.course.reason == Reason::ringing_flight;
+  const Exchange& exchange = now.physical.exchange;
+  const bool flew = now.control.reason == Reason::impact || now.control.reason == Reason::ringing_flight;
   const double taken = model.body.damped || flew ? 0 : exchange.dissipated;  // flights book it for the outputs alone
-  account.received += (drive.force * (now.path.motion.x - begin)).sum() + exchange.work - booked - taken;
-  if (now.course.work >= account.due && !between_flights(now))
-    look(account, {model.body, drive}, now.path.motion, staggered_step(now), now.course.work);
+  account.received += (drive.force * (now.physical.motion.x - begin)).sum() + exchange.work - booked - taken;
+  if (now.control.work >= account.due && !between_flights(now))
+    look(account, {model.body, drive}, now.physical.motion, staggered_step(now), now.control.work);
 }
 
 EnergyAccount account_at_start(const Run& before, const Model& model, const Drive& drive, bool changed) {
   EnergyAccount account = before.energy;
   if (changed || account.kinetic_elastic < 0 || between_flights(before)) return account;
-  const State& motion = before.path.motion;
+  const State& motion = before.physical.motion;
   jolt(account, model.body, motion.spring, *before.outside, drive.force);
   look(account, {model.body, drive}, motion, staggered_step(before), 0);
   jolt(account, model.body, motion.spring, drive.force, *before.outside);

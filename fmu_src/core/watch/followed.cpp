@@ -20,11 +20,11 @@ FollowedPoints::FollowedPoints(const Sensed& sensed, const Lattice& lattice) : b
 }
 
 void FollowedPoints::begin(const Model& model, Run& run) {
-  const State& motion = run.path.motion;
+  const State& motion = run.physical.motion;
   if (every_step_) radian_ = half * model.stability.stable_step(model.body, motion.x);
   for (std::size_t n = 0; n < followed_.size(); ++n) {
     begun_[n] = followed_[n].value(motion.v);
-    run.path.exchange.points[n] = {.from = begun_[n]};
+    run.physical.exchange.points[n] = {.from = begun_[n]};
   }
 }
 
@@ -37,11 +37,11 @@ void FollowedPoints::look(const Body& body, const Followed& each, double acceler
 }
 
 void FollowedPoints::step(const Body& body, double h, Run& run) const {
-  const State& motion = run.path.motion;
+  const State& motion = run.physical.motion;
   for (std::size_t n = 0; n < followed_.size(); ++n) {
     const Followed& each = followed_[n];
     if (!each.maximum) continue;
-    PointReading& reading = run.path.exchange.points[n];
+    PointReading& reading = run.physical.exchange.points[n];
     double acceleration = 0;
     if ((reading.since += h) >= radian_) {
       const Vec3 now = each.value(motion.v);
@@ -54,9 +54,9 @@ void FollowedPoints::step(const Body& body, double h, Run& run) const {
 }
 
 void FollowedPoints::end(const Body& body, double H, Run& run) const {
-  const State& motion = run.path.motion;
+  const State& motion = run.physical.motion;
   for (std::size_t n = 0; n < followed_.size(); ++n) {
-    PointReading& reading = run.path.exchange.points[n];
+    PointReading& reading = run.physical.exchange.points[n];
     reading.acceleration = (followed_[n].value(motion.v) - begun_[n]) / H;
     if (followed_[n].maximum) look(body, followed_[n], reading.acceleration.norm(), motion, reading);
   }

@@ -22,11 +22,11 @@ struct Readings {
   double given_step;        ///< internal step that the user gives [s]; 0: none
   bool moved;               ///< pins or planes moved points at once when the last communication step began
 
-  Vec3 plane_reaction(int q) const { return now.path.exchange.planes[q].force / now.exchange_time; }
-  Vec3 plane_torque(int q) const { return now.path.exchange.planes[q].torque / now.exchange_time; }
+  Vec3 plane_reaction(int q) const { return now.physical.exchange.planes[q].force / now.exchange_time; }
+  Vec3 plane_torque(int q) const { return now.physical.exchange.planes[q].torque / now.exchange_time; }
   const Vec3& plane_centre(int q) const { return now.centres[q]; }
   Count plane_contacts(int q) const { return now.contacts[q]; }
-  const PointReading& followed(int n) const { return now.path.exchange.points[n]; }
+  const PointReading& followed(int n) const { return now.physical.exchange.points[n]; }
   const SensorReading& sensor(int n) const { return now.sensors[n]; }
   /// Force on a taxel, by its number among those of all sensors [N].
   Vec3 taxel(int n) const {
@@ -34,15 +34,15 @@ struct Readings {
     for (; n >= now.sensors[of].taxels.rows(); ++of) n -= int(now.sensors[of].taxels.rows());
     return row(now.sensors[of].taxels, n);
   }
-  Vec3 pin_reaction(int a) const { return now.path.exchange.pins[a].force / now.exchange_time; }
-  Vec3 pin_torque(int a) const { return now.path.exchange.pins[a].torque / now.exchange_time; }
+  Vec3 pin_reaction(int a) const { return now.physical.exchange.pins[a].force / now.exchange_time; }
+  Vec3 pin_torque(int a) const { return now.physical.exchange.pins[a].torque / now.exchange_time; }
 
   /// How far pin a, and obstacle q, moved a control point at once when the last communication step began [m].
   double pin_jump(int a) const;
   double plane_jump(int q) const;
 
   double kinetic_energy() const;
-  double elastic_energy() const { return model.body.elastic_energy(now.path.motion.x); }
+  double elastic_energy() const { return model.body.elastic_energy(now.physical.motion.x); }
   double gravity_energy() const;
   double dissipated_energy() const { return now.dissipated; }
   /// Of the outside: what free bodies gave the object, or took, is none of it.
@@ -50,23 +50,23 @@ struct Readings {
   /// Kinetic and potential energy of free bodies [J].
   double free_energy() const;
 
-  Count steps() const { return now.path.steps; }
-  Count rejected() const { return now.course.rejected; }
+  Count steps() const { return now.physical.steps; }
+  Count rejected() const { return now.control.rejected; }
   /// What landings have made of errors by now [m].
-  double landing_error() const { return now.course.neighbour.off.at(now.path.motion.time, model.longest_lasting()); }
+  double landing_error() const { return now.control.neighbour.off.at(now.physical.motion.time, model.longest_lasting()); }
   /// The same, and what explicit steps through contact, and what follows from impacts, may have the result err by at the end of the run, so
   /// far [m].
   double stated_error() const {
-    return hypotenuse(landing_error() + now.path.error.largest(), now.path.damped_error + now.path.damped_fading);
+    return hypotenuse(landing_error() + now.physical.error.largest(), now.physical.damped_error + now.physical.damped_fading);
   }
   Count contacts_resolved() const { return now.contacts_resolved; }
   /// The method that took the last communication step, and why.
-  Method method() const { return now.course.method; }
-  Reason reason() const { return now.course.reason; }
+  Method method() const { return now.control.method; }
+  Reason reason() const { return now.control.reason; }
   /// Internal step of the last communication step [s].
-  double internal_step() const { return now.path.clock.h; }
+  double internal_step() const { return now.physical.clock.h; }
   /// Largest stable internal step of the current state, by bound [s]; the largest finite number if nothing resists.
-  double stable_step() const { return model.stability.stable_step(model.body, now.path.motion.x); }
+  double stable_step() const { return model.stability.stable_step(model.body, now.physical.motion.x); }
   /// Number of cells with a corner that is turned inside out or flat.
   int folded_cells() const;
 

@@ -69,9 +69,9 @@ void Sensors::read(const Drive& drive, double within, Run& run) {
   force_.setZero(count, 3);
   for (Scalars* each : {&pressing_, &area_, &largest_}) each->setZero(count);
   for (std::size_t q = 0; q < drive.planes.size(); ++q) {
-    const Points& impulses = run.path.exchange.touched[q];
+    const Points& impulses = run.physical.exchange.touched[q];
     if (impulses.isZero(0)) continue;
-    meet(drive.planes[q], within, impulses, run.path.motion);
+    meet(drive.planes[q], within, impulses, run.physical.motion);
     if (spread_) spread_->share(load_);
     const Scalars pressure = (load_.area > 0).select(load_.along / load_.area, 0.0);
     const double faint = pressed_part * pressure.maxCoeff();
@@ -94,14 +94,14 @@ void Sensors::show(const Patch& patch, const Run& run, SensorReading& reading) c
   Vec3 centre = Vec3::Zero();
   double whole = 0, pressing = 0;
   for (std::size_t n = 0; n < patch.places.size(); ++n) {
-    centre += patch.weights[n] * place(patch.places[n], run.path.motion.x);
+    centre += patch.weights[n] * place(patch.places[n], run.physical.motion.x);
     whole += patch.weights[n];
   }
   centre /= whole;
   for (const int at : patch.places) {
     const Vec3 force = once * row(force_, at);
     reading.force += force;
-    reading.torque += (place(at, run.path.motion.x) - centre).cross(force);
+    reading.torque += (place(at, run.physical.motion.x) - centre).cross(force);
     reading.area += area_[at];
     pressing += once * pressing_[at];
     reading.peak = std::max(reading.peak, once * largest_[at]);

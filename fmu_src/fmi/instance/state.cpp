@@ -105,13 +105,13 @@ bool sound(const FreeState& free) {
 }
 
 bool sound(const Run& run) {
-  const Clock& clock = run.path.clock;
-  return sound(run.path.stiff) && sound(run.course.contact) && counter(clock.count) && clock.parts > 0 && counter(clock.parts) &&
-         counter(run.path.steps) && counter(run.course.rejected) && counter(run.course.factored.uses) &&
-         run.energy.step_factor >= thresholds::least_step_factor && run.energy.step_factor <= 1 && run.path.motion.x.allFinite() &&
-         run.path.motion.v.allFinite() && run.exchange_time > 0 && counter(run.contacts_resolved) &&
-         counter(run.path.exchange.contacts_resolved) && std::all_of(run.contacts.begin(), run.contacts.end(), counter) &&
-         std::ranges::all_of(run.path.motion.free, [](const FreeState& free) { return sound(free); });
+  const Clock& clock = run.physical.clock;
+  return sound(run.physical.stiff) && sound(run.control.contact) && counter(clock.count) && clock.parts > 0 && counter(clock.parts) &&
+         counter(run.physical.steps) && counter(run.control.rejected) && counter(run.control.factored.uses) &&
+         run.energy.step_factor >= thresholds::least_step_factor && run.energy.step_factor <= 1 && run.physical.motion.x.allFinite() &&
+         run.physical.motion.v.allFinite() && run.exchange_time > 0 && counter(run.contacts_resolved) &&
+         counter(run.physical.exchange.contacts_resolved) && std::all_of(run.contacts.begin(), run.contacts.end(), counter) &&
+         std::ranges::all_of(run.physical.motion.free, [](const FreeState& free) { return sound(free); });
 }
 
 bool sound(const Whole& whole, const Variables& variables) {

@@ -111,7 +111,7 @@ std::string turning_warning(const SoftBody& body, double time) {
 
 /// Flat faces wedged between planes of different directions.
 std::string friction_warning(const SoftBody& body, double time) {
-  const double missed = body.run().path.surface.missed;
+  const double missed = body.run().physical.surface.missed;
   if (!(missed > beside_the_cone)) return {};
   return "up to time " + number(time) +
          " s the friction between the surface and planes with different normals exceeded Coulomb's limit by up to " +

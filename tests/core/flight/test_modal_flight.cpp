@@ -25,9 +25,9 @@ struct Ringing {
     model.renew();
     drive.planes.resize(1);
     drive.force.col(2) = -9.81 * model.body.mass;
-    State& motion = run.path.motion = at_rest(lattice);
+    State& motion = run.physical.motion = at_rest(lattice);
     motion.x.col(2) += 1;
-    run.path.exchange.planes.resize(1);
+    run.physical.exchange.planes.resize(1);
     for (int p = 0; p < n; ++p) {
       const Vec3 arm = row(motion.x, p) - Vec3(0.5, 0.3, 1.15);
       const Vec3 own = speed * Vec3(std::sin(5.0 * p), std::cos(3.0 * p), std::sin(2.0 * p + 1));
@@ -41,7 +41,7 @@ struct Ringing {
     drive.planes.clear();
     ModalFlight flight(lattice);
     CHECK(flight.possible(model.body));
-    State state = run.path.motion;
+    State state = run.physical.motion;
     flight.enter(equations(), 0, state);
     CHECK(flight.until_touch(equations(), time, 0, false) == time);
     flight.leave(equations(), state);
@@ -54,7 +54,7 @@ struct Ringing {
     Leapfrog leapfrog(lattice.points(), 0);
     const Count steps = std::llround(time / h);
     leapfrog.advance(model, drive, {0, 0, time / double(steps), steps}, copy);
-    return copy.path.motion;
+    return copy.physical.motion;
   }
 };
 
@@ -62,7 +62,7 @@ struct Ringing {
 
 TEST(going_into_the_frame_and_out_of_it_keeps_the_state) {
   Ringing r(0.5);
-  const State begin = r.run.path.motion, state = r.flown(0);
+  const State begin = r.run.physical.motion, state = r.flown(0);
   CHECK(distance(state.x, begin.x) < 1e-14 && distance(state.v, begin.v) < 1e-11);
 }
 
@@ -88,7 +88,7 @@ TEST(what_unequal_damping_makes_of_one_mode_in_others_is_bounded_and_a_flight_en
     Ringing r = damped();
     ModalFlight flight(r.lattice);
     CHECK(flight.possible(r.model.body));
-    State state = r.run.path.motion;
+    State state = r.run.physical.motion;
     flight.enter(r.equations(), 0, state);
     const double bound = flight.neglected_way(r.equations(), time), flown = flight.until_touch(r.equations(), time, 0, false);
     flight.leave(r.equations(), state);
@@ -102,7 +102,7 @@ TEST(what_unequal_damping_makes_of_one_mode_in_others_is_bounded_and_a_flight_en
 TEST(a_flight_keeps_momentum_angular_momentum_and_energy) {
   Ringing r(0.5);
   r.drive.force.setZero();
-  const State begin = r.run.path.motion, end = r.flown(0.3);
+  const State begin = r.run.physical.motion, end = r.flown(0.3);
   const Body& body = r.model.body;
   const RigidMotion before = rigid_motion(body.mass, begin.x, begin.v), after = rigid_motion(body.mass, end.x, end.v);
   CHECK((before.velocity - after.velocity).norm() < 1e-13);
@@ -124,7 +124,7 @@ TEST(a_flight_ends_before_a_point_touches_what_comes_or_turns) {
       plane.angular_velocity = Vec3(0, turns, 0);
       ModalFlight flight(r.lattice);
       CHECK(flight.possible(r.model.body));
-      flight.enter(r.equations(), 0, r.run.path.motion);
+      flight.enter(r.equations(), 0, r.run.physical.motion);
       const double free = flight.until_touch(r.equations(), 2, 1e-6, false);
       CHECK(free > 0.01 && free < 1.5);
       const Plane coming = plane;  // and the flights without it

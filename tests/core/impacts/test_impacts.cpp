@@ -49,7 +49,7 @@ void expect(const Known& known, const std::vector<double>& steps) {
     const double error = off(body, known.box, known.end);
     if (error > known.error) std::printf("    %s, H = %g s: error %.3g m\n", known.name, H, error);
     CHECK(error <= known.error);
-    if (H == 0.01) CHECK(body.run().course.work <= known.work);
+    if (H == 0.01) CHECK(body.run().control.work <= known.work);
   }
 }
 
@@ -164,7 +164,7 @@ TEST(obstacles_loads_damping_and_lattices_of_every_kind_are_as_by_fine_leapfrog)
         if (kind.at) kind.at(body.settings, 0.01 * i);
         CHECK(body.advance(0.01) == StepStatus::ok);
       }
-      if (step == 0) CHECK(body.run().path.error.size > 0);  // it went by windows and flights
+      if (step == 0) CHECK(body.run().physical.error.size > 0);  // it went by windows and flights
       return std::pair(body.state().x, body.readings().stable_step());
     };
     const auto [x, stable] = end(Method::automatic, 0);
@@ -187,10 +187,10 @@ TEST(sliding_is_exact_in_steps_of_any_length_and_sticking_sticks) {
     SoftBody body = sticks.start();
     CHECK(run_for(body, 0.1, H));
     const Points begun = body.state().x;
-    const Count steps = body.run().path.steps;
+    const Count steps = body.run().physical.steps;
     CHECK(run_for(body, 0.9, H));
     CHECK(distance(body.state().x, begun) < 1e-8);
-    CHECK(body.run().path.steps - steps <= 3 * std::llround(0.9 / H));
+    CHECK(body.run().physical.steps - steps <= 3 * std::llround(0.9 / H));
     CHECK_NEAR(-body.readings().plane_reaction(0)[2], 9.81 * std::cos(M_PI / 9), 1e-6);
   }
 }
@@ -229,7 +229,7 @@ TEST(a_snapshot_in_flight_at_an_impact_and_at_rest_goes_on_to_the_bit) {
   std::vector<Phase> seen;
   for (int i = 0; i < 250; ++i) {
     CHECK(body.advance(0.01) == StepStatus::ok);
-    const Phase phase = body.run().path.stiff.phase;
+    const Phase phase = body.run().physical.stiff.phase;
     if (std::find(seen.begin(), seen.end(), phase) != seen.end()) continue;
     seen.push_back(phase);
     other.restore(body.run(), 0);

@@ -31,13 +31,14 @@ struct Forgetful {
 
 Run some_run() {
   Run run;
-  run.path.exchange.planes.resize(2);
-  run.path.exchange.pins.resize(1);
+  run.physical.exchange.planes.resize(2);
+  run.physical.exchange.pins.resize(1);
   run.contacts.resize(2);
   run.centres.resize(2);
-  State& motion = run.path.motion;
+  State& motion = run.physical.motion;
   for (Points* points : {&motion.x, &motion.v, &motion.spring}) points->setZero(5, 3);
-  for (MarkedPoints* points : {&motion.previous, &run.course.bound_x, &run.course.factored.x, &run.outside}) points->change().setZero(5, 3);
+  for (MarkedPoints* points : {&motion.previous, &run.control.bound_x, &run.control.factored.x, &run.outside})
+    points->change().setZero(5, 3);
   motion.holds.assign(2, Points::Zero(5, 3));
   return run;
 }
@@ -75,9 +76,9 @@ TEST(every_byte_of_a_run_is_visited_once) {
 TEST(a_number_that_is_not_finite_is_found_wherever_it_is) {
   CHECK(all_finite(some_run()));
   Run run = some_run();
-  run.path.motion.v(3, 1) = std::numeric_limits<double>::infinity();
-  CHECK(!all_finite(run) && !all_finite(run.path.motion) && all_finite(run.path.exchange));
+  run.physical.motion.v(3, 1) = std::numeric_limits<double>::infinity();
+  CHECK(!all_finite(run) && !all_finite(run.physical.motion) && all_finite(run.physical.exchange));
   run = some_run();
-  run.path.exchange.planes[1].torque[2] = std::nan("");
-  CHECK(!all_finite(run.path.exchange));
+  run.physical.exchange.planes[1].torque[2] = std::nan("");
+  CHECK(!all_finite(run.physical.exchange));
 }

@@ -30,7 +30,7 @@ TEST(a_body_that_does_not_vibrate_lands_later_or_earlier_and_no_error_grows_of_t
   for (const double tolerance : {1e-3, 3e-4, 1e-4, 3e-5}) {
     const SoftBody body = after(thrown({1, 1, 1}), tolerance, 0, 20);
     const double error = distance(body.state().x, fine.state().x);
-    CHECK(body.run().course.neighbour.impact > 0);
+    CHECK(body.run().control.neighbour.impact > 0);
     CHECK(error < tolerance && error < body.readings().stated_error());
     CHECK(body.readings().landing_error() < 2 * tolerance);  // which no warning tells
   }
@@ -40,7 +40,7 @@ TEST(bounces_state_what_they_err_by) {
   for (const double tolerance : {1e-3, 1e-4}) {
     const SoftBody fine = after(thrown({1.02, 1, 1}), tolerance, 1e-5, 80), body = after(thrown({1.02, 1, 1}), tolerance, 0, 80);
     const double error = (fine.state().x - body.state().x).abs().maxCoeff(), stated = body.readings().stated_error();
-    CHECK(body.run().course.neighbour.impact > 0.2);
+    CHECK(body.run().control.neighbour.impact > 0.2);
     CHECK(error < 5 * stated);
     CHECK(stated < 10 * std::max(error, tolerance));
   }
@@ -48,8 +48,8 @@ TEST(bounces_state_what_they_err_by) {
 
 TEST(the_neighbour_goes_on_from_a_stored_state) {
   SoftBody body = after(thrown({1.02, 1, 1}), 1e-3, 0, 3);
-  while (!body.run().course.neighbour.follows && body.state().time < 0.8) go(body, 1, 0.01);
-  CHECK(body.run().course.neighbour.follows);
+  while (!body.run().control.neighbour.follows && body.state().time < 0.8) go(body, 1, 0.01);
+  CHECK(body.run().control.neighbour.follows);
   const Run stored = body.run();
   std::vector<double> stated;
   for (int i = 0; i < 2; ++i) {

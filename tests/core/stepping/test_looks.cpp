@@ -15,13 +15,13 @@ struct Bursting : Bench {
   Bursting() {
     springs_of(model.body).set_stiffness({1, 1, 1}, {});
     model.renew();
-    run.path.motion.x = rest_positions(lattice);
-    run.path.motion.v = 3 * run.path.motion.x;
-    run.path.motion.spring.setZero();
+    run.physical.motion.x = rest_positions(lattice);
+    run.physical.motion.v = 3 * run.physical.motion.x;
+    run.physical.motion.spring.setZero();
   }
   static double side(const Points& x) { return x.col(0).maxCoeff() - x.col(0).minCoeff(); }
   /// By which the edges have become longer since the bound was computed, relative to their rest length.
-  double since_bound() const { return side(run.path.motion.x) - side(*run.course.bound_x); }
+  double since_bound() const { return side(run.physical.motion.x) - side(*run.control.bound_x); }
 };
 
 /// Whether leapfrog's step is calibrated anew when the forces jump by this fraction, between the time for that and the usual one.
@@ -35,10 +35,10 @@ bool calibrates_after(double jump) {
   const auto pull = [&](double force) { body.settings.force.change()(0, 0) = -(body.settings.force.change()(63, 0) = force); };
   pull(10);
   CHECK(body.initialize(0) == StepStatus::ok);
-  const auto known = [&] { return body.run().course.calibrations[std::size_t(Method::leapfrog)]; };
+  const auto known = [&] { return body.run().control.calibrations[std::size_t(Method::leapfrog)]; };
   do CHECK(body.advance(H) == StepStatus::ok);
-  while (body.run().course.work < known().soon);
-  CHECK(body.run().course.work < known().due);
+  while (body.run().control.work < known().soon);
+  CHECK(body.run().control.work < known().due);
   const double due = known().due;
   pull(10 * (1 + jump));
   CHECK(body.advance(H) == StepStatus::ok);
@@ -50,11 +50,11 @@ bool calibrates_after(double jump) {
 TEST(the_bound_is_that_of_a_state_whose_edges_differ_by_no_more_than_a_fifth) {
   for (double stretch : {1.15, 1.25, 1.9}) {
     Bench b;
-    b.run.path.motion.x = rest_positions(b.lattice);
+    b.run.physical.motion.x = rest_positions(b.lattice);
     const double before = bound(b.context());
     CHECK(!deformed_since_bound(b.context()));
-    b.run.path.motion.x.col(0) *= stretch;
-    const double fresh = b.model.stability.frequency(b.model.body, b.run.path.motion.x);
+    b.run.physical.motion.x.col(0) *= stretch;
+    const double fresh = b.model.stability.frequency(b.model.body, b.run.physical.motion.x);
     CHECK(fresh != before);
     CHECK(bound(b.context()) == (stretch > 1.2 ? fresh : before));
   }
@@ -69,14 +69,14 @@ TEST(runs_of_any_length_renew_the_bound_of_a_body_that_deforms) {
     CHECK(run_counted(given.integrators, given.context(), method, 100) == StepStatus::ok);
     CHECK(run_fitted(fitted.integrators, calibrator, fitted.context(), method, 1, INFINITY) == StepStatus::ok);
     for (const Bursting* b : {&given, &fitted}) {
-      CHECK(Bursting::side(b->run.path.motion.x) > 1.5);
+      CHECK(Bursting::side(b->run.physical.motion.x) > 1.5);
       CHECK(b->since_bound() < 0.2 + 8 * 3 * h);
     }
   }
   Bursting controlled;
   controlled.request.tolerance = 1e-12;
   CHECK(run_controlled(controlled.integrators, controlled.context(), Method::dop853, 1, INFINITY) == StepStatus::ok);
-  CHECK(Bursting::side(controlled.run.path.motion.x) > 1.5);
+  CHECK(Bursting::side(controlled.run.physical.motion.x) > 1.5);
   CHECK(controlled.since_bound() < 0.2 + 8 * 3 * h);
 }
 

@@ -19,7 +19,7 @@ constexpr Count steps = thresholds::stretch_steps;
 State after(double h, Count n) {
   Bench b;
   b.integrators.take(b.context(), Method::leapfrog, {0, 0, h, n});
-  return b.run.path.motion;
+  return b.run.physical.motion;
 }
 
 }  // namespace
@@ -31,13 +31,13 @@ TEST(a_stretch_whose_two_runs_differ_by_too_much_is_run_again_with_smaller_steps
   for (double ratio : {0.5, 2.0, 8.0, 30.0}) {
     Bench each(1);
     each.request.tolerance = error / (ratio * thresholds::forecast_tolerance);
-    each.run.course.contact.h = h;
+    each.run.control.contact.h = h;
     StepDoubling doubled(each.run);
     CHECK(doubled.run(each.integrators, each.context(), stretch) == StepStatus::ok);
     const bool again = ratio > thresholds::too_much;
-    CHECK((each.run.course.rejected > 0) == again);
-    CHECK((each.run.path.clock.h < 0.4999 * h) == again);
-    CHECK((each.run.path.steps > 2 * steps) == again);
+    CHECK((each.run.control.rejected > 0) == again);
+    CHECK((each.run.physical.clock.h < 0.4999 * h) == again);
+    CHECK((each.run.physical.steps > 2 * steps) == again);
   }
 }
 
@@ -45,14 +45,14 @@ TEST(what_a_stretch_errs_by_is_counted) {
   Bench b(1);
   const double h = 0.5 * step_limit(b.context(), Method::leapfrog, false), stretch = double(steps) * h;
   b.request.tolerance = 1;
-  b.run.course.contact.h = h;
+  b.run.control.contact.h = h;
   StepDoubling doubled(b.run);
   CHECK(doubled.run(b.integrators, b.context(), stretch) == StepStatus::ok);
   Bench exact;
   exact.integrators.take(exact.context(), Method::leapfrog, {0, 0, h / 256, 256 * steps});
-  const double error = (b.run.path.motion.x - exact.run.path.motion.x).abs().maxCoeff();
-  CHECK(b.run.path.steps == 2 * steps);
-  CHECK(error > 0 && std::abs(b.run.path.error.largest() / error - 1) < 0.3);
+  const double error = (b.run.physical.motion.x - exact.run.physical.motion.x).abs().maxCoeff();
+  CHECK(b.run.physical.steps == 2 * steps);
+  CHECK(error > 0 && std::abs(b.run.physical.error.largest() / error - 1) < 0.3);
 }
 
 TEST(a_stretch_that_is_run_once_counts_as_the_coarser_run_before) {
@@ -61,17 +61,17 @@ TEST(a_stretch_that_is_run_once_counts_as_the_coarser_run_before) {
   b.request.tolerance = 1;
   StepDoubling doubled(b.run);
   CHECK(doubled.run(b.integrators, b.context(), double(steps) * limit) == StepStatus::ok);
-  const double once = b.run.path.error.size;
-  const Count taken = b.run.path.steps;
-  CHECK(once > 0 && b.run.course.contact.free > 0);
+  const double once = b.run.physical.error.size;
+  const Count taken = b.run.physical.steps;
+  CHECK(once > 0 && b.run.control.contact.free > 0);
   CHECK(doubled.run(b.integrators, b.context(), double(2 * steps) * limit) == StepStatus::ok);
-  CHECK(b.run.path.steps - taken == steps);
-  CHECK_NEAR(b.run.path.error.size, std::sqrt(17) * once, 1e-12);
+  CHECK(b.run.physical.steps - taken == steps);
+  CHECK_NEAR(b.run.physical.error.size, std::sqrt(17) * once, 1e-12);
 }
 
 TEST(a_stretch_without_a_finite_result_is_none) {
   Bench b(1);
-  b.run.path.motion.v(13, 1) = std::numeric_limits<double>::quiet_NaN();
+  b.run.physical.motion.v(13, 1) = std::numeric_limits<double>::quiet_NaN();
   StepDoubling doubled(b.run);
   CHECK(doubled.run(b.integrators, b.context(), 0.1) == StepStatus::not_finite);
 }

@@ -18,7 +18,7 @@ Points reference() {
   Bench b;
   b.request.step = 1e-4;
   CHECK(run_counted(b.integrators, b.context(), Method::rkn12, 1000) == StepStatus::ok);
-  return b.run.path.motion.x;
+  return b.run.physical.motion.x;
 }
 
 }  // namespace
@@ -26,8 +26,8 @@ Points reference() {
 TEST(fitted_and_controlled_steps_keep_the_tolerance_and_end_where_they_should) {
   const Points exact = reference();
   const auto keeps = [&](const Bench& b) {
-    CHECK(b.run.path.motion.time == 0.1 && b.run.path.steps > 1 && b.run.course.work > 0);
-    CHECK(distance(b.run.path.motion.x, exact) < 5e-6);
+    CHECK(b.run.physical.motion.time == 0.1 && b.run.physical.steps > 1 && b.run.control.work > 0);
+    CHECK(distance(b.run.physical.motion.x, exact) < 5e-6);
   };
   for (Method method : fixed_methods) {
     Bench b;
@@ -39,7 +39,7 @@ TEST(fitted_and_controlled_steps_keep_the_tolerance_and_end_where_they_should) {
     Bench b;
     CHECK(run_controlled(b.integrators, b.context(), method, 0.1, INFINITY) == StepStatus::ok);
     keeps(b);
-    CHECK(b.run.course.controlled_step(method) > 0);
+    CHECK(b.run.control.controlled_step(method) > 0);
   }
 }
 
@@ -53,13 +53,13 @@ TEST(a_step_is_kept_only_if_its_error_is_allowed) {
     for (double ratio : {0.5, 2.0, 10.0}) {
       Bench b;
       b.request.tolerance = error / (ratio * share);
-      b.run.course.controlled_step(method) = h;
+      b.run.control.controlled_step(method) = h;
       CHECK(run_controlled(b.integrators, b.context(), method, h, 0) == StepStatus::ok);
-      CHECK(b.run.path.steps == 1 && b.run.path.clock.h == b.run.path.motion.time);
-      CHECK((b.run.course.rejected > 0) == (ratio > 1));
-      CHECK((b.run.path.clock.h < h) == (ratio > 1));
+      CHECK(b.run.physical.steps == 1 && b.run.physical.clock.h == b.run.physical.motion.time);
+      CHECK((b.run.control.rejected > 0) == (ratio > 1));
+      CHECK((b.run.physical.clock.h < h) == (ratio > 1));
       Bench again;
-      const double kept = b.run.path.clock.h;
+      const double kept = b.run.physical.clock.h;
       const double err = again.integrators.one_step(method).offer(again.model, again.drive, 0, kept, again.run).error;
       CHECK(err <= std::min(t.tolerance_step, t.tolerance_sum * kept) * b.request.tolerance * (1 + 1e-6));
     }
@@ -70,19 +70,19 @@ TEST(a_pause_comes_after_the_work_is_spent) {
   for (Method method : controlled) {
     Bench b;
     CHECK(run_controlled(b.integrators, b.context(), method, 0.1, 30) == StepStatus::ok);
-    CHECK(b.run.path.motion.time > 0 && b.run.path.motion.time < 0.1 && b.run.course.work >= 30);
+    CHECK(b.run.physical.motion.time > 0 && b.run.physical.motion.time < 0.1 && b.run.control.work >= 30);
   }
 }
 
 TEST(a_calibration_takes_its_trial_back) {
   Bench b;
   Calibrator calibrator(b.run);
-  const Points x = b.run.path.motion.x;
+  const Points x = b.run.physical.motion.x;
   CHECK(calibrator.due(b.context(), Method::leapfrog, 0.1, false));
   CHECK(calibrator.calibrate(b.integrators, b.context(), Method::leapfrog, 0.1, 4) > 0);
-  CHECK((b.run.path.motion.x == x).all() && b.run.path.steps == 0 && b.run.path.motion.time == 0);
+  CHECK((b.run.physical.motion.x == x).all() && b.run.physical.steps == 0 && b.run.physical.motion.time == 0);
   CHECK(!calibrator.due(b.context(), Method::leapfrog, 0.1, false));
-  CHECK(b.run.course.calibration(Method::leapfrog).h > 0);
+  CHECK(b.run.control.calibration(Method::leapfrog).h > 0);
 }
 
 TEST(a_race_finds_a_method_and_leaves_the_body_where_it_was) {
@@ -90,11 +90,11 @@ TEST(a_race_finds_a_method_and_leaves_the_body_where_it_was) {
   b.request.tolerance = 1e-9;
   Calibrator calibrator(b.run);
   TrialRuns trials(b.run);
-  const Points x = b.run.path.motion.x;
+  const Points x = b.run.physical.motion.x;
   CHECK(TrialRuns::due(b.context(), 0.1));
   trials.run(b.integrators, calibrator, b.context(), 0.1);
-  CHECK((b.run.path.motion.x == x).all() && b.run.path.motion.time == 0);
-  CHECK(b.run.course.trials.winner == Method::rkn12 && b.run.course.trials.reason == Reason::least_work);
+  CHECK((b.run.physical.motion.x == x).all() && b.run.physical.motion.time == 0);
+  CHECK(b.run.control.trials.winner == Method::rkn12 && b.run.control.trials.reason == Reason::least_work);
   CHECK(!TrialRuns::due(b.context(), 0.1));
 }
 
@@ -122,7 +122,7 @@ TEST(a_new_version_of_the_material_is_met_by_every_method) {
       b->run = Bench().run;
       b->integrators.take(b->context(), method, span);
     }
-    CHECK((one.run.path.motion.x == other.run.path.motion.x).all());
+    CHECK((one.run.physical.motion.x == other.run.physical.motion.x).all());
   }
 }
 
@@ -132,9 +132,9 @@ TEST(the_propagator_ends_every_communication_step_on_time) {
     b.request.method = method;
     Propagator propagator(b.lattice, 0, 0);
     for (int i = 1; i <= 3; ++i) {
-      const double end = b.run.path.motion.time + 0.03;
+      const double end = b.run.physical.motion.time + 0.03;
       CHECK(propagator.advance(b.context(), 0.03) == StepStatus::ok);
-      CHECK(b.run.path.motion.time == end);
+      CHECK(b.run.physical.motion.time == end);
     }
   }
 }

@@ -9,7 +9,7 @@
 ///
 /// What is in a list beyond that changes no result, but what the list takes, which counts as work and by that decides between methods: a
 /// communication step begins without lists, so that a stored state goes on with the same bits. Within one they stay, also for steps that
-/// are taken back and for a motion beside the path's: a list holds at any gaps of the control points that are near enough to those of its
+/// are taken back and for a motion beside the run's: a list holds at any gaps of the control points that are near enough to those of its
 /// search.
 #pragma once
 #include <algorithm>

@@ -76,14 +76,14 @@ class Tangents {
   };
   void find_between(const Drive& around, double t0, double t1, double way);
   /// Of an obstacle in the course of the step.
-  struct Course {
+  struct ControllerState {
     int number;
     const Plane* plane;
     SolidPose start, middle, end;
   };
-  static Course course(const Drive& around, double t0, double t1, int obstacle);
-  void meet(const Course& solid, const Course& obstacle, double reach);
-  std::optional<Tangent> meeting(const Course& solid, int n, const Course& obstacle, double reach) const;
+  static ControllerState control(const Drive& around, double t0, double t1, int obstacle);
+  void meet(const ControllerState& solid, const ControllerState& obstacle, double reach);
+  std::optional<Tangent> meeting(const ControllerState& solid, int n, const ControllerState& obstacle, double reach) const;
   double way_since(const Known& known, const Points& x, const SolidPose& pose, const Plane& solid);
   void list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known);
 

@@ -43,7 +43,7 @@ TEST(a_crowded_face_comes_to_rest) {
     go(body, 30, 0.1);
     CHECK(body.state().v.abs().maxCoeff() < 1e-10);
     CHECK_NEAR(body.readings().plane_reaction(0).z(), -9.81, 1e-6);
-    const SurfaceRows& surface = body.run().path.surface;
+    const SurfaceRows& surface = body.run().physical.surface;
     CHECK(rows(surface.drift) >= 3);
     CHECK(surface.drift == surface.close);
   }
