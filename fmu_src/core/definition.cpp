@@ -12,7 +12,7 @@ namespace softffd {
 
 namespace {
 
-/// Active rows that the state keeps; of more, the first: the others are found again.
+/// Largest number of active contact constraints that the state keeps. Of more, it keeps the first; the others are found again.
 constexpr int most_surface_rows = 512;
 
 std::vector<bool> pinned_points(const Definition& definition) {
@@ -22,7 +22,7 @@ std::vector<bool> pinned_points(const Definition& definition) {
   return pinned;
 }
 
-/// Those of free parts; none where there is no such part.
+/// Returns the points of the pins that are frames of free parts; empty if there is no such part.
 std::vector<bool> yielding_points(const Definition& definition) {
   std::vector<bool> yielding;
   for (const FreeBody& part : definition.free) {
@@ -33,7 +33,7 @@ std::vector<bool> yielding_points(const Definition& definition) {
   return yielding;
 }
 
-/// Where what is there at rest begins, before it is turned.
+/// Returns the initial place of a point that is at `rest` at rest, before the body is turned [m].
 Vec3 placed(const Definition& definition, const Vec3& rest) {
   return definition.lattice.origin + definition.stretch.cwiseProduct(rest - definition.lattice.origin) + definition.offset;
 }
@@ -87,7 +87,7 @@ Body make_body(const Definition& definition) {
   body.length = definition.lattice.largest_side();
   body.samples = definition.samples;
   const auto free = std::ranges::count_if(definition.free, [](const FreeBody& each) { return each.plane >= 0; });
-  if (body.samples && free > 0 && free < definition.planes) {  // which meet the other obstacles
+  if (body.samples && free > 0 && free < definition.planes) {  // free obstacles meet the others
     auto samples = std::make_shared<Samples>(*body.samples);
     samples->add_idle(most_of_solid * definition.planes);
     body.samples = samples;

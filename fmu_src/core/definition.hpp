@@ -1,4 +1,4 @@
-/// What a scene defines of a soft object for good, and what follows from it alone: its body, its pins, where it starts, a run of its sizes.
+/// What a scene defines permanently of a soft object, and what follows from it alone: body, pins, initial positions, a run of its sizes.
 #pragma once
 #include <memory>
 #include <optional>
@@ -15,47 +15,47 @@ namespace softffd {
 
 struct PinDefinition {
   std::vector<int> points;
-  std::optional<Vec3> origin = {};  ///< of the frame at rest [m]; absent: the centroid of the points' rest positions
+  std::optional<Vec3> origin = {};  ///< origin of the frame at rest [m]; absent: the centroid of the points' rest positions
 };
 
 /// Creation data of a soft object: a resolved scene.
 struct Definition {
   Lattice lattice;
   Topology topology = Topology::distinct;
-  bool of_modulus = false;  ///< springs by the material's modulus, of the topology `distinct`, in place of its stiffness
-  bool solid() const { return lattice.lobatto; }  ///< finite elements by the modulus and Poisson's ratio, in place of springs
+  bool of_modulus = false;  ///< springs follow from the material's modulus, in the topology `distinct`, in place of its stiffness
+  bool solid() const { return lattice.lobatto; }  ///< finite elements with the modulus and Poisson's ratio, in place of springs
   std::vector<double> mass;                       ///< per control point, or node of a solid, > 0 [kg]
-  std::vector<double> weight;                     ///< what gravity pulls at, >= 0 [kg]; empty: the mass
+  std::vector<double> weight;                     ///< mass that gravity acts on, >= 0 [kg]; empty: `mass`
   std::vector<Region> regions;                    ///< later ones win
   std::vector<PinDefinition> pins;
   std::vector<FreeBody> free = {};  ///< obstacles first
   int planes = 0;
-  bool solids = false;                          ///< the last of these are
-  std::shared_ptr<const Samples> samples = {};  ///< of the surface, by which planes are met; null: by the control points
+  bool solids = false;                          ///< the last of the obstacles are solids
+  std::shared_ptr<const Samples> samples = {};  ///< samples of the surface, which touch obstacles; null: the control points do
   Sensed sensed = {};
   double volume_stiffness = 0;                                    ///< >= 0 [Pa]; 0: absent
   Vec3 stretch = Vec3::Ones(), offset = Vec3::Zero();             ///< x0 = origin + stretch (X - origin) + offset, then turned
-  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s], both of the centre of the box at x0
-  bool spin_about_mass = false;                                   ///< both of the centre of mass instead
+  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();  ///< [m/s], [rad/s], both at the centre of the box at x0
+  bool spin_about_mass = false;                                   ///< both at the centre of mass instead
   bool watch_energy = false;                                      ///< accumulate dissipated energy and work
-  std::shared_ptr<Team> team = {};                                ///< shares the spring forces; null: one thread works them out
+  std::shared_ptr<Team> team = {};                                ///< threads that share the spring forces; null: one thread computes them
 };
 
-/// Before pins and planes move points (points, 3) [m]. rotation: vector [rad] by which the body starts turned about the centre of its box.
+/// Returns positions before pins and planes move points, (points, 3) [m]. rotation: initial rotation vector about the box's centre [rad].
 Points start_positions(const Definition& definition, const Vec3& rotation);
-/// Is this pin the frame of a free body?
+/// True if this pin is the frame of a free body.
 bool is_free(const Definition& definition, int pin);
-/// The pose at the start of this pin's frame that is at `origin` [m] at rest: it turns with the body; a free one is stretched and moved
-/// along with it too.
+/// Returns the initial pose of a pin's frame whose origin at rest is `origin` [m]. The frame turns with the body; the origin of a free
+/// frame also follows the body's stretch and offset.
 PinMotion start_pose(const Definition& definition, int pin, const Vec3& origin, const Vec3& rotation);
-/// Of the box at the start, before it is turned [m].
+/// Returns the initial centre of the box, before it is turned [m].
 Vec3 start_centre(const Definition& definition);
 
-/// The body without a material: masses are the definition's, and the energies have none yet.
+/// Returns the body without a material: the masses are those of the definition, and the energies have no material yet.
 Body make_body(const Definition& definition);
-/// origin: where its frame is at rest [m].
+/// Returns a pin. origin: receives the origin of its frame at rest [m].
 Pin make_pin(const Definition& definition, const PinDefinition& source, Vec3& origin);
-/// Of the sizes that the definition asks for.
+/// Returns a run with arrays of the sizes that the definition asks for.
 Run empty_run(const Definition& definition);
 
 }  // namespace softffd

@@ -14,23 +14,23 @@ namespace softffd {
 
 namespace {
 
-/// Steps of the shadow in those of the run.
+/// Size of the shadow's steps relative to the run's [1].
 constexpr double finer = 2.0 / 3;
 
-/// Whether the last communication step was a stiff or damped body's beside an obstacle: the shadow goes by the same rules then.
+/// True if a stiff or damped body was beside an obstacle in the last communication step: the shadow then follows the same rules.
 bool of_impacts(const SoftBody& body) {
   const Reason reason = body.readings().reason();
   const bool damped = reason == Reason::damped_contact || (body.settings.method == Method::sdirk2 && body.settings.step == 0);
   return damped || reason == Reason::impact || reason == Reason::ringing_flight || reason == Reason::stiff_contact;
 }
 
-/// The shadow's are not read.
+/// Returns the definition without sensors, because those of the shadow are not read.
 Definition without_sensors(Definition definition) {
   definition.sensed = {};
   return definition;
 }
 
-/// Of a vibration's amplitude, what a step of so many radians keeps.
+/// Returns the fraction of a vibration's amplitude that a step of this phase angle keeps [1]; angle: [rad].
 double kept_by(Method method, double angle) {
   if (method == Method::backward_euler) return 1 / hypotenuse(1, angle);
   return method == Method::sdirk2 ? ImplicitContact::kept(angle) : Ros34pw2::kept(angle);
@@ -96,15 +96,15 @@ void ErrorEstimate::follow(const SoftBody& body, double H) {
   if (free) tally_.value = std::max(tally_.value, lost_vibration(body));
 }
 
-/// Has the estimate ever said that vibrations are about as wrong as they are large?
+/// True if the last estimate is above a tenth of the largest vibrations so far, which then count as about as wrong as they are large.
 bool ErrorEstimate::out_of_phase() const {
   const Readings shadow = shadow_.readings();
   return tally_.value > 0.1 * shadow.amplitude(shadow.largest_energy(), std::numeric_limits<double>::infinity());
 }
 
-/// Size of the vibrations that steps too long for them have taken away. A method with error control damps what it does not resolve, and
-/// both runs alike, so that they agree; what they should have more of is energy. Losses of motions that the steps do resolve are much
-/// smaller in the shadow.
+/// Returns the size of the vibrations that too long steps have damped away [m]. A method with error control damps what it does not
+/// resolve, in both runs alike, so that the runs agree, but both then have too little energy. Losses of motions that the steps do resolve
+/// are much smaller in the shadow.
 double ErrorEstimate::lost_vibration(const SoftBody& body) const {
   if (!traits(body.readings().method()).error_control()) return 0;
   const Readings shadow = shadow_.readings();
@@ -112,8 +112,8 @@ double ErrorEstimate::lost_vibration(const SoftBody& body) const {
   return lost > rounding && lost > 0.5 * body.readings().lost_energy() ? shadow.amplitude(lost, shadow.internal_step()) : 0;
 }
 
-/// Share of the change of the forces' slopes, from before this communication step to its end, that came at once; where they have not
-/// changed, only a pin can set off something.
+/// Returns the fraction of the change of the forces' slopes, from before this communication step to its end, that came at once. If the
+/// slopes have not changed, only a pin can excite vibrations: the result is 1 with pins, else 0.
 double ErrorEstimate::follow_slopes(double H) {
   const Settings& settings = shadow_.settings;
   const Points &rate = *settings.force_rate, &second = *settings.force_bend[0], &third = *settings.force_bend[1];
@@ -127,7 +127,7 @@ double ErrorEstimate::follow_slopes(double H) {
   return kink + bend > 0 ? kink / (kink + bend) : settings.pins.empty() ? 0 : 1;
 }
 
-/// Run and shadow lose what implicit steps damp away; the body itself takes longer.
+/// Follows the largest vibration. Run and shadow lose what implicit steps damp away; in the body itself the vibration lasts longer.
 void ErrorEstimate::follow_vibration(const SoftBody& body, double H, Count taken) {
   const double kept = shadow_.readings().remaining(H, tally_.vibration.frequency), kink = follow_slopes(H);
   tally_.vibration.amplitude *= kept;

@@ -1,20 +1,21 @@
-/// How far a run is from the truth: a second run beside it, the shadow, with two thirds of its steps.
+/// Estimates the error of a run by a second run beside it, the shadow, with steps of two thirds the size.
 ///
-/// A method of order p with steps h errs by about C h^p, a shadow with steps r h by C (r h)^p, so that what the two differ by, divided by
-/// 1 - r^p, is the error of the run. A finer shadow, for a coarser one is unstable where stability sets the step, and says nothing where
-/// its vibrations are out of phase altogether. Equal steps become the next that divide the communication step. Where the run's steps
-/// change with what happens, the shadow goes by the same rules to r times the steps: with equal ones it would pass over what the run has
-/// taken small ones for. Sums of local error estimates say nothing: errors of
-/// vibrations cancel, those of rotations add up.
+/// A method of order p with steps h errs by about C h^p, a shadow with steps r h by C (r h)^p. Divided by 1 - r^p, the difference of the
+/// two is therefore the error of the run. The shadow is finer, because a coarser one is unstable where stability sets the step, and says
+/// nothing where its vibrations are out of phase altogether. Equal steps of the run become the next smaller ones that divide the
+/// communication step. Where the run's steps change with events, the shadow follows the same rules, with r times the steps: with equal
+/// steps it would pass over the events for which the run has taken small ones. Sums of local error estimates say nothing: errors of
+/// vibrations cancel, errors of rotations add up.
 ///
-/// Implicit steps that are long beside a vibration damp it away, in run and shadow alike, and no difference shows it. So what sets
-/// vibrations off is looked at (vibration.hpp): the largest since is followed, once as the body's own damping leaves it, once as the steps
-/// have damped it besides, and the estimate is at least the difference of the two.
+/// Implicit steps that are long compared with a vibration damp it away, in run and shadow alike, so that no difference shows it.
+/// Therefore the excitation of vibrations is examined (vibration.hpp). The largest vibration so far is followed twice, once with the
+/// body's own damping alone and once with the damping by the steps as well. The estimate is at least the difference of the two.
 ///
-/// Given steps may be too long for the body's vibrations: the phase is lost, and where the two runs meet by chance they agree. An estimate
-/// as large as the vibrations does not fall again, therefore, without damping; and it is not below those that the method has damped away.
+/// Steps given by the user may be too long for the body's vibrations. The phase is then lost, and the two runs may agree by chance.
+/// Without damping, therefore, an estimate as large as the vibrations does not fall again, and it is not below the vibrations that the
+/// method has damped away.
 ///
-/// The shadow takes the method that the run took, communication step by communication step, and changes nothing about the run.
+/// In each communication step the shadow uses the method that the run has used. It changes nothing about the run.
 #pragma once
 #include "soft_body.hpp"
 
@@ -22,23 +23,23 @@ namespace softffd {
 
 class ErrorEstimate {
  public:
-  /// What has been learnt since the start.
+  /// Results accumulated since the start.
   struct Tally {
     double time = 0, ratio_time = 0;  ///< time followed, and the integral of |r^p - 1| over it [s]
-    double value = 0;                 ///< [m]
-    Vibration vibration{};            ///< the largest that implicit steps have met, as the body alone damps it
-    Points slopes;                    ///< of the outside forces at the end of the last communication step [N/s]
-    double kept = 0;                  ///< share of it that these steps have left
-    double damped_away = 0;           ///< amplitude of what they have not [m]
-    Count steps = 0;                  ///< that the run had taken
-    bool lost = false;                ///< the shadow could not follow: no digits
+    double value = 0;                 ///< the estimate [m]
+    Vibration vibration{};            ///< largest that implicit steps have met, with the body's own damping alone
+    Points slopes;                    ///< rates of the outside forces at the end of the last communication step [N/s]
+    double kept = 0;                  ///< fraction of that vibration that the implicit steps have left [1]
+    double damped_away = 0;           ///< amplitude that the implicit steps have damped away [m]
+    Count steps = 0;                  ///< number that the run had taken
+    bool lost = false;                ///< the shadow could not follow: no digit is known to be right
 
     template <class Self, class Fields>
     static auto visit(Self& s, Fields&& fields) {
       return fields(s.time, s.ratio_time, s.value, s.vibration, s.slopes, s.kept, s.damped_away, s.steps, s.lost);
     }
   };
-  /// What following changes, apart from the settings; part of every snapshot.
+  /// What `follow` changes, apart from the settings; part of every snapshot.
   struct Memory {
     Run shadow;
     Tally tally;
@@ -50,11 +51,11 @@ class ErrorEstimate {
   };
 
   explicit ErrorEstimate(const Definition& definition);
-  /// Starts at the initial state of the body at time t0.
+  /// Starts the shadow at the initial state of the body at time t0 [s].
   void initialize(const SoftBody& body, double t0);
-  /// Follows the body, which has just done a communication step of length H.
+  /// Follows the body, which has just done a communication step of length H [s].
   void follow(const SoftBody& body, double H);
-  /// Estimated error of the control points' positions: the largest over all points [m].
+  /// Returns the estimated error of the control points' positions, the largest over all points [m].
   double value() const { return tally_.value; }
 
   Memory memory() const { return {shadow_.run(), tally_}; }

@@ -16,14 +16,14 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Change of the outside forces relative to their size, between two communication steps, that is a jolt [1].
+/// If the outside forces change between two communication steps by more than this fraction of their size, that is a jolt [1].
 constexpr double jolt = 0.01;
 
 }  // namespace thresholds
 
 namespace {
 
-/// Whether any number is not 0. Sums take several at a time, isZero() one by one.
+/// True if any number is not 0. A sum takes several numbers at a time, isZero() takes them one by one.
 bool any(const Points& points) { return points.abs().sum() != 0; }
 
 bool finite(const Run& run) {
@@ -83,7 +83,7 @@ const Points& SoftBody::shown(const Points& values, Shown& kept) const {
   return kept.control_points;
 }
 
-/// The model of the settings' material.
+/// Sets up the model for the material of the settings.
 void SoftBody::refresh_model() {
   const int n = definition_.lattice.points();
   Body& body = model_.body;
@@ -109,7 +109,7 @@ void SoftBody::refresh_model() {
   model_.renew();
 }
 
-/// What the run knows of the material before does not hold for this one.
+/// Discards what the run has learnt of the previous material, because it does not hold for the new one.
 void SoftBody::take_material() {
   now_.control.forget_material();
   now_.physical.motion.previous_h = 0;
@@ -126,7 +126,7 @@ StepStatus SoftBody::refresh_drive() {
     plane.normal /= size;
     plane.normal_rate /= size;
     plane.since = plane.moved_by_input ? time : start_time_;
-    if (!plane.own && !plane.at(time).normal.allFinite()) return StepStatus::not_finite;  // a turn beyond all numbers
+    if (!plane.own && !plane.at(time).normal.allFinite()) return StepStatus::not_finite;  // the rotation overflows
   }
   for (std::size_t a = 0; a < drive_.pins.size(); ++a) {
     const double size = Eigen::Map<const Eigen::Vector4d>(settings.pins[a].orientation.data()).stableNorm();
@@ -162,7 +162,7 @@ void SoftBody::refresh_forces() {
 void SoftBody::refresh_free_bodies() {
   for (std::size_t k = 0; k < drive_.free.size(); ++k) {
     FreeLoad load = settings.free[k];
-    drive_.free[k].follow(now_.physical.motion.free);  // a soft body may have been moved
+    drive_.free[k].follow(now_.physical.motion.free);  // this object may have been moved
     std::vector<double> masses;
     std::vector<Vec3> arms;
     if (drive_.free[k].part()) {
@@ -180,7 +180,7 @@ void SoftBody::refresh_free_bodies() {
   }
 }
 
-/// An obstacle where the scene has it, a pin's part as the object moves there.
+/// Starts each free body: an obstacle where the scene places it, the part of a pin with the object's motion at that place.
 void SoftBody::start_free_bodies(const Vec3& centre) {
   for (FreeMotion& each : drive_.free) {
     const FreeBody& body = each.body();
@@ -278,8 +278,8 @@ StepStatus SoftBody::initialize(double t0) {
   return settings.step == 0 && readings().undecided() ? StepStatus::undecided : StepStatus::ok;
 }
 
-/// A communication step from the run as it is. changed: the material is another than before it. stand_ins: half-spaces may stand for
-/// solids; where they are pressed beside these, the step is not taken.
+/// Takes a communication step from the current run. changed: the material differs from that before the step. stand_ins: half-spaces may
+/// stand for solids; if one is pressed beside its solid, the step is not taken.
 StepStatus SoftBody::advance_from_here(double H, double step_factor, bool changed, bool stand_ins) {
   State& motion = now_.physical.motion;
   Exchange& exchange = now_.physical.exchange;
@@ -304,8 +304,8 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   const double jump = now_.outside.mark() == force_mark_ ? 0 : (drive_.force - *now_.outside).abs().maxCoeff();
   if (watched && jump > 0) jolt(now_.energy, model_.body, motion.spring, *now_.outside, drive_.force);
   const double booked = watched ? open_account(now_, before_, model_, drive_, changed, moved) : 0;
-  if (!all_finite(now_.energy)) return StepStatus::not_finite;  // forces whose squares are no numbers
-  drive_.damping_unwatched = !definition_.watch_energy;         // the account does not need it
+  if (!all_finite(now_.energy)) return StepStatus::not_finite;  // squares of the forces overflow
+  drive_.damping_unwatched = !definition_.watch_energy;         // the energy account does not need the damping
   drive_.watch = definition_.watch_energy || (watched && drive_.ramped);
   const Request request{.method = settings.method,
                         .tolerance = settings.tolerance * model_.body.length,
@@ -378,7 +378,7 @@ StepStatus SoftBody::advance(double H) {
   ++drive_.call;
   StepStatus status = attempt(usual);
   came_ = now_.physical.motion.time - before_.physical.motion.time;
-  const bool astray = status == StepStatus::too_much_work && now_.control.work > before_.control.work;  // not from the start
+  const bool astray = status == StepStatus::too_much_work && now_.control.work > before_.control.work;  // not at the very start
   if (status == StepStatus::not_finite || astray)
     status = retry_divided(now_, snapshot, most, usual, status, divided_, attempt);
   else if (status == StepStatus::ok && automatic && !now_.energy.hopeless && readings().gains_energy())
@@ -388,7 +388,7 @@ StepStatus SoftBody::advance(double H) {
     snapshot.commit();
     return status;
   }
-  if (changed) {  // outputs are again those of the material before
+  if (changed) {  // outputs show the previous material again
     const Material wanted = std::exchange(static_cast<Material&>(settings), in_effect);
     refresh_model();
     static_cast<Material&>(settings) = wanted;

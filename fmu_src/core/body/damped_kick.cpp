@@ -11,7 +11,7 @@ namespace softffd {
 
 namespace {
 
-/// Products beyond which rounding would show; kicks that need more are for implicit methods.
+/// Largest number of products. With more, rounding would show; kicks that need more are for implicit methods.
 constexpr int most_products = 1000;
 
 double psi(double z) {
@@ -21,7 +21,8 @@ double psi(double z) {
   return sum;
 }
 
-/// Of the polynomial of this degree that has psi's values at Chebyshev's points of [0, reach], both ends among them.
+/// Sets `shares` to the coefficients of the polynomial of this degree that equals psi at Chebyshev's points of [0, reach], both ends
+/// included.
 void interpolate(int degree, double reach, std::vector<double>& shares) {
   shares.assign(degree + 1, degree == 0 ? psi(0) : 0.0);
   if (degree == 0) return;
@@ -46,7 +47,7 @@ DampedKick::DampedKick(int points) {
   shares_.reserve(most_products);
 }
 
-/// So many that at most 1 / z is left: fitted to what trying all z finds for 2 to 200 products.
+/// The number is so large that at most 1 / z of a motion is left. The formula is fitted to a search over all z for 2 to 200 products.
 int DampedKick::products(double reach) {
   if (reach <= 1.3) return 2;
   const double digits = std::log(reach), wanted = 0.5 + std::sqrt(reach * digits * (1.25 + 0.055 * digits));

@@ -1,13 +1,13 @@
-/// Half kicks: the velocity's share of a step, v <- a v + b f, over half an internal step, with point damping.
+/// Half kicks: the update of the velocity in a step, v <- a v + b f, over half an internal step, with point damping.
 ///
 /// With g = d h / (2 m) the opening half is explicit in the damping and the closing half implicit,
 ///
 ///      open: v <- (1 - g) v + (h/2) f/m          close: v <- (v + (h/2) f/m) / (1 + g),
 ///
-/// so that a closing and the next opening half together are the central difference of eq. (13),
-/// v <- ((1 - g) v + h f/m) / (1 + g), second order and stable for any damping. Where g > 1 that factor is negative and the velocity would
-/// alternate in sign; there both halves use v <- E v + (1 - E) f/d with E = 1 / (1 + g + g^2/2), the second-order Pade approximation of
-/// exp(-g) that vanishes for large g: the terminal velocity f/d is exact.
+/// so that a closing and the next opening half kick together are the central difference of eq. (13), v <- ((1 - g) v + h f/m) / (1 + g),
+/// second order and stable for any damping. For g > 1 the factor 1 - g is negative and the velocity would alternate in sign. Both halves
+/// then use v <- E v + (1 - E) f/d with E = 1 / (1 + g + g^2/2), the second-order Pade approximation of exp(-g) that vanishes for large g:
+/// the terminal velocity f/d is exact.
 #pragma once
 #include "body/body.hpp"
 #include "model/arithmetic.hpp"
@@ -21,7 +21,7 @@ struct KickCoefficients {
   void apply(const Points& spring, const Points& outside, Points& v) const;
   Stage::Kick kick() const { return {a.data(), b.data(), even}; }
   Scalars a, b;
-  bool even = false;  ///< the same for all points, as `find_even` has found
+  bool even = false;  ///< a and b are each the same for all points, as found by `find_even`
   void find_even() { even = all_alike(a) && all_alike(b); }
 };
 
@@ -30,18 +30,18 @@ class HalfKicks {
   explicit HalfKicks(int points) : open_(points), close_(points), opening_mass_(points), closing_mass_(points) {}
   /// Coefficients for internal step h; kept while neither h nor the body changes.
   void prepare(const Body& body, double h);
-  /// For kicks of damped_kick.hpp, of which these know the masses alone.
+  /// Takes only the masses of the body, for the kicks of damped_kick.hpp.
   void take_masses(const Body& body);
 
-  /// With the drift after it, from v0 and x0: v and x.
+  /// Sets v and x by the opening half kick from v0 and the drift after it from x0.
   void open(const Points& spring, const Points& external, const Points& v0, const Points& x0, Points& v, Points& x) const;
   void close(const Points& spring, const Points& external, Points& v) const { close_.apply(spring, external, v); }
 
-  /// A closing half kick, the next opening one and the drift after it. even_outside: the outside forces are the same on all points.
+  /// Closing half kick, next opening one and drift after it. even_outside: the outside forces are the same on all points.
   Stage stage(bool even_outside) const { return {{close_.kick(), open_.kick()}, 2, h_, even_outside}; }
 
-  /// The impulse that a velocity change right after the half kick stands for, (points) [N s per m/s]: (h/2) / b; the mass after
-  /// take_masses.
+  /// Impulse that is equivalent to a unit velocity change right after the half kick, (points) [N s per m/s]: (h/2) / b; after take_masses,
+  /// the mass.
   const Scalars& opening_mass() const { return opening_mass_; }
   const Scalars& closing_mass() const { return closing_mass_; }
 

@@ -8,7 +8,7 @@ namespace softffd {
 
 namespace {
 
-/// Displacements relative to the box that are rounding.
+/// Displacements below this value, relative to the box, are rounding [1].
 constexpr double slight = 1e-9;
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// The body, its forces, and all that follows from the material: constant within a communication step.
+/// The body, its forces, and all quantities that follow from the material. The model is constant within a communication step.
 #pragma once
 #include "body/stability.hpp"
 
@@ -9,15 +9,15 @@ struct Model {
 
   Body body;
   Stability stability;
-  Scalars time_scale;         ///< (3 * points) position error that a velocity error amounts to [s]
-  Scalars memory;             ///< (3 * points) in which damping forgets an error [s]; infinite without damping
-  double longest_memory = 0;  ///< of all points [s]
-  /// For how long a velocity of the whole body lasts at most: drag takes vibrations, whose energy is half elastic, in twice the time [s].
+  Scalars time_scale;         ///< (3 * points) position error per velocity error [s]
+  Scalars memory;             ///< (3 * points) time in which damping forgets an error [s]; infinite without damping
+  double longest_memory = 0;  ///< largest memory of all points [s]
+  /// Longest time that a velocity of the whole body lasts [s]. Vibrations, whose energy is half elastic, last twice as long under drag.
   double longest_lasting() const { return 0.5 * longest_memory; }
   double noise = 0;  ///< energy of displacements that are rounding [J]
 
-  /// Call when masses, stiffness, damping or the pinned points have changed: derives all the rest and makes a new version, by which
-  /// methods know that what they keep is old.
+  /// Derives all other fields and makes a new version of the body, which tells methods that their stored data are old. Call this function
+  /// after a change of masses, stiffness, damping or the pinned points.
   void renew();
 };
 

@@ -10,8 +10,8 @@ namespace softffd {
 namespace kernels {
 namespace {
 
-/// Sums of x_i y_j z_k values(i, j, k) for four control points per axis, the usual case; line, layer: from one to the next. Of so many
-/// columns of values, to `sums`.
+/// Computes the sums of x_i y_j z_k values(i, j, k) for four control points per axis, the usual case, of each of the columns of values.
+/// line, layer, column: distance in memory from one to the next.
 template <int columns>
 INNER void weigh_columns(In factors, const double* values, int line, int layer, std::ptrdiff_t column, double* sums) {
   const double *x = factors, *y = factors + 4, *z = factors + 8;
@@ -31,7 +31,7 @@ INNER void weigh_columns(In factors, const double* values, int line, int layer, 
   }
 }
 
-/// values(i, j, k) += factor more, four in a line, to so many columns with a factor each.
+/// values(i, j, k) += factor more, for four values per line, in each column with its own factor.
 INNER void add_lines(In factor, In more, double* values, int lines, int line, int layers, int layer, int columns, std::ptrdiff_t column) {
   const double* from = more;
   for (int k = 0; k < layers; ++k)
@@ -71,7 +71,7 @@ Samples::Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& p
   for (const Vec3& place : places_) {
     std::array<int, 3> first;
     for (int a = 0; a < 3; ++a) {
-      const double share = std::clamp((place[a] - lattice.origin[a]) / lattice.size[a], 0.0, 1.0);  // outside weights would be negative
+      const double share = std::clamp((place[a] - lattice.origin[a]) / lattice.size[a], 0.0, 1.0);  // outside, weights would be negative
       const Scalars all = softffd::weights(basis, share, counts_[a]);
       first[a] = 0;
       if (of_nodes()) first[a] = 3 * std::min(int(share * lobatto::patches(counts_[a])), lobatto::patches(counts_[a]) - 1);

@@ -8,10 +8,10 @@ namespace softffd {
 
 namespace {
 
-/// Squared frequencies below this are those of a point without springs [1/s2].
+/// Squared frequencies below this value belong to points without springs [1/s2].
 constexpr double no_frequency = 1e-300;
-/// Of the largest frequency by the bound above to the geometric mean of the uniform lattice's lowest and highest; the time scale of points
-/// that hardly anything holds [s].
+/// Ratio of the upper bound of the largest frequency to the geometric mean of the uniform lattice's lowest and highest frequency [1]; time
+/// scale of points that hardly anything holds [s].
 constexpr double bound_to_mean = 4.3, longest = 100;
 
 }  // namespace

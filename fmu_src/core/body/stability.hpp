@@ -11,9 +11,9 @@
 /// A pinned neighbour does not move: its term is B_e alone. Replacing B_e by k I gives a bound that holds in any configuration, because
 /// no eigenvalue of a spring's Hessian exceeds k. A power iteration would approach omega from below, the wrong side.
 ///
-/// Every energy of the body adds its own blocks to S_p; a volume stiffness (derived in volume.hpp) nothing at all while no corner has lost
-/// half its volume. With it no bound holds in every configuration: a step that was stable may no longer be after the next fold, so that the
-/// bound of the state has to be renewed as the body deforms, and more often than without.
+/// Every energy of the body adds its own blocks to S_p; a volume stiffness (derived in volume.hpp) adds nothing while no corner has lost
+/// half its volume. With a volume stiffness no bound holds in every configuration: a step that was stable may become unstable when the
+/// next cell inverts. The bound of the state has to be renewed as the body deforms, more often than without it.
 #pragma once
 #include "body/body.hpp"
 
@@ -23,22 +23,22 @@ class Stability {
  public:
   explicit Stability(int points) : sums_(6 * points), mean_(points), spread_(points) {}
 
-  /// Recomputes what depends on masses and stiffness alone.
+  /// Recomputes the quantities that depend on masses and stiffness alone.
   void prepare(const Body& body);
-  /// Upper bound of omega at configuration x [rad/s].
+  /// Returns an upper bound of omega at configuration x [rad/s].
   double frequency(const Body& body, const Points& x) const;
-  /// Largest stable leapfrog step at x, by bound [s]; the largest finite number if nothing resists.
+  /// Returns the largest leapfrog step at x that is stable by the bound [s]; the largest finite number if nothing resists deformation.
   double stable_step(const Body& body, const Points& x) const;
-  /// Time in which a velocity error of a point becomes a position error, (3 * points) [s]: of the size of a period of the springs at the
-  /// point over 2 pi, for the uniform lattice the inverse of the geometric mean of its lowest and highest frequency.
+  /// Sets `scales` to the time in which a velocity error of a point becomes a position error, (3 * points) [s]: about a period of the
+  /// springs at the point over 2 pi, for the uniform lattice the inverse of the geometric mean of its lowest and highest frequency.
   void time_scales(const Body& body, Scalars& scales) const;
-  /// Upper bound of omega in every configuration, of the energies that have one [rad/s].
+  /// Returns an upper bound of omega in every configuration, for the energies that have one [rad/s].
   double any_frequency() const { return any_frequency_; }
-  /// Whether the body resists deformation at all; if not, its frequency is 0 whatever its shape.
+  /// True if the body resists deformation at all; if not, its frequency is 0 in any shape.
   bool elastic() const { return elastic_; }
 
  private:
-  AnyBounds any_;                  ///< in every configuration
+  AnyBounds any_;                  ///< bounds in every configuration
   mutable Scalars sums_;           ///< S_p as xx yy zz xy xz yz, each (points)
   mutable Scalars mean_, spread_;  ///< workspace (points)
   double any_frequency_ = 0;

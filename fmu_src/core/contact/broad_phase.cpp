@@ -15,7 +15,7 @@ namespace {
 /// Speeds inside a step may exceed those at its ends by this factor.
 constexpr double speed_margin = 1.5;
 
-/// Of what is no number that.
+/// Returns the smaller of two numbers, or NaN if either is NaN.
 double smaller(double a, double b) { return a < b || a != a ? a : b; }
 
 double largest_speed(const Points& v) { return std::sqrt(v.square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>()); }
@@ -88,14 +88,14 @@ bool BroadPhase::may_touch(const Equations& equations, const State& state, doubl
     const HalfSpace start = plane.at(state.time);
     const double first = least_gap(start, state.x), last = least_gap(plane.at(state.time + H), state.x);
     const PlaneWay own = way_between(plane, state.time, state.time + H, radius_about(start.point, state.x));
-    const double least = std::max(std::min(first, last) - own.deviation, 0.5 * (first + last - H * own.speed));  // in between
+    const double least = std::max(std::min(first, last) - own.deviation, 0.5 * (first + last - H * own.speed));  // bound in between
     return !(least > way);
   });
 }
 
 bool BroadPhase::passed(const Drive& around, double t0, double t1, const Points& x0, const Points& v0, const Points& x1, const Points& v1) {
   const double h = t1 - t0;
-  middle_ = 1.5 * (x1 - x0) - 0.25 * h * (v0 + v1);  // of the cubic through both ends: h times the velocity
+  middle_ = 1.5 * (x1 - x0) - 0.25 * h * (v0 + v1);  // h times the mid-step velocity of the cubic through both ends
   const double way = worse(speed_margin * h * worse(largest_speed(v0), largest_speed(v1)), largest_speed(middle_));
   return std::any_of(around.planes.begin(), around.planes.end(), [&](const Plane& plane) {
     const HalfSpace start = plane.at(t0);

@@ -9,10 +9,10 @@ namespace softffd {
 
 namespace {
 
-/// For a bit of each point.
+/// Number of bytes that hold one bit for each point.
 constexpr int bytes(int points) { return (points + 7) / 8; }
 
-/// More than `sum` by the numbers of these lanes, one after the other.
+/// Returns `sum` plus the numbers of these lanes, added one after the other.
 double sum(const Octet::Number& of, unsigned lanes, double sum) {
   if (lanes == Octet::every) {
     for (const double each : of) sum += each;
@@ -22,7 +22,7 @@ double sum(const Octet::Number& of, unsigned lanes, double sum) {
   return sum;
 }
 
-/// Do all points of the octet touch its plane and no other?
+/// True if all points of the octet touch the octet's plane and no other plane.
 bool alone(const Octet& octet) { return octet.alone == octet.all(); }
 
 }  // namespace
@@ -107,7 +107,7 @@ StepStatus Contact::drift(const StepView& step, const Points& before, Points& v,
   return StepStatus::ok;
 }
 
-/// Each once. With several planes it does not look whether they are those of the last time.
+/// Lists each point once. With several planes the points are not compared with those of the last drift.
 void Contact::find(const StepView& step, const Points& x1) {
   const int n = step.body.points(), row = bytes(n);
   behind_.swap(were_);
@@ -128,7 +128,7 @@ void Contact::find(const StepView& step, const Points& x1) {
   for (const int p : touched_) marked_[p] = 0;
 }
 
-/// Which octets the points that were found go to.
+/// Assigns the points found to octets, by plane. Returns false if a pinned point is too far behind a plane.
 bool Contact::group(const StepView& step, const Points& x1) {
   used_ = 0;
   grouped_ = -1;
@@ -168,7 +168,7 @@ void Contact::gather(const StepView& step, const Points& before, const Points& v
   for (int o = 0; o < used_; ++o) fetch(all, octets_[o]);
 }
 
-/// Of the octet's plane.
+/// Books the impulses of these lanes on the octet's plane.
 void Contact::book(const Octet& octet, unsigned lanes, Exchange& exchange) {
   Impulse& plane = exchange.planes[octet.plane];
   for (int c = 0; c < 3; ++c) {
@@ -202,7 +202,7 @@ StepStatus Contact::close_and_go_on(const StepView& step, Points& v, Points& x1,
   return StepStatus::ok;
 }
 
-/// What the closing correction gave and took, and the correction of points that are not alone.
+/// Books impulses, work and losses of the closing correction. Octets with points that do not touch their plane alone are corrected here.
 StepStatus Contact::book_close(const StepView& step, Points& v, Exchange& exchange) {
   for (int o = 0; o < used_; ++o) {
     Octet& octet = octets_[o];

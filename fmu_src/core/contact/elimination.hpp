@@ -1,11 +1,11 @@
-/// Small sets of linear equations.
+/// Small systems of linear equations.
 #pragma once
 #include <vector>
 
 namespace softffd {
 
-/// a x = b, a (n * n) row by row, b (n), by elimination with row exchanges; b becomes x. Loops of one order, so that every machine has the
-/// same bits. Returns false if there is no finite solution.
+/// Solves a x = b by elimination with row exchanges; a: (n * n) row by row, b: (n), which becomes x. The loops have one fixed order, so
+/// that every machine gets the same bits. Returns false if there is no finite solution.
 bool eliminate(int n, std::vector<double>& a, std::vector<double>& b);
 
 }  // namespace softffd

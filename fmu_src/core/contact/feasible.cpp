@@ -10,12 +10,13 @@ namespace softffd {
 
 namespace {
 
-/// Gauss-Seidel over the planes of one point, whose normal impulses and friction converge within some ten sweeps; flat wedges take longer.
+/// Largest number of Gauss-Seidel sweeps over the planes of one point. Normal impulses and friction converge within some ten sweeps; flat
+/// wedges take longer.
 constexpr int most_sweeps = 200;
-/// Each plane's correction may leave rounding behind the others.
+/// Sweeps of `push_out`: the correction for one plane may leave the point behind other planes by rounding.
 constexpr int push_out_sweeps = 3;
 
-/// Multipliers of the set `chosen` taken as equations; false if the normals are dependent or a multiplier pulls.
+/// Computes the multipliers of the set `chosen`, taken as equations. False if the normals are dependent or a multiplier is negative.
 template <int N>
 bool multipliers(const std::vector<Constraint>& constraints, const std::array<int, N>& chosen, const Vec3& target,
                  Eigen::Matrix<double, N, 1>& lambda) {
@@ -46,7 +47,7 @@ bool try_set(std::vector<Constraint>& constraints, const std::vector<int>& trial
   return true;
 }
 
-/// One sweep over all planes; returns the largest change of an impulse.
+/// Does one sweep over all planes; returns the largest change of an impulse.
 double sweep(std::vector<Constraint>& constraints, Vec3& v) {
   double change = 0;
   for (Constraint& c : constraints) {

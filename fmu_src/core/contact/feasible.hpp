@@ -1,4 +1,4 @@
-/// The nearest vector that several half-spaces allow, and Coulomb friction on several planes at once, for one point.
+/// Projection of a vector onto several half-spaces, and Coulomb friction on several planes at once, for one point.
 ///
 /// A control point's mass matrix is m I, so the contact problem of one point is min |v - v*|^2 subject to n_q . v >= b_q: a projection in
 /// three dimensions. Its solution has at most three active planes; sets of one, two and three planes are tried, and a set whose
@@ -20,7 +20,7 @@ struct Constraint {
   Vec3 friction_impulse = Vec3::Zero();  ///< result: tangential, |.| <= friction * normal_impulse [m/s]
 };
 
-/// Moves a position that rounding has left behind planes in front of all of them, as far as rounding lets.
+/// Moves a position that is behind planes by rounding to the front of all planes, as far as rounding permits.
 void push_out(const std::vector<HalfSpace>& planes, Vec3& x);
 
 /// Workspace for one point's projections; nothing is allocated after construction.
@@ -28,12 +28,12 @@ class FeasibleSet {
  public:
   explicit FeasibleSet(int planes) { trial_.reserve(planes); }
 
-  /// Moves v to the nearest feasible vector; writes the normal impulses. `slack` is the violation that rounding is allowed.
+  /// Moves v to the nearest feasible vector and writes the normal impulses. `slack`: violation that is allowed for rounding.
   /// Returns false if no vector is feasible.
   bool project(std::vector<Constraint>& constraints, double slack, Vec3& v);
 
-  /// The same with friction: Gauss-Seidel over (normal, friction disk) of each plane, and, always last, the exact projection, so that
-  /// feasibility never depends on the friction's convergence.
+  /// The same with friction: Gauss-Seidel sweeps over the normal impulse and the friction disk of each plane. The exact projection always
+  /// comes last, so that feasibility does not depend on the convergence of friction.
   bool resolve(std::vector<Constraint>& constraints, double slack, Vec3& v);
 
  private:

@@ -14,7 +14,7 @@ template <int n>
 INNER void store(Octet::Vector& to, int lane, const Triple<n>& v) {
   store<n>(to[0] + lane, v.x), store<n>(to[1] + lane, v.y), store<n>(to[2] + lane, v.z);
 }
-/// Between the numbers of all points and lanes.
+/// Loads numbers of the octet's points from an array of all points into lanes; `put` writes lanes back.
 template <int n>
 INNER Lanes<n> fetch(const Octet& octet, const double* from, int lane) {
   if (octet.whole()) return load<n>(from + octet.point[0] + lane);
@@ -41,7 +41,7 @@ INNER Lanes<n> positive(const Lanes<n>& a) {
   return a > 0.0 ? a : Lanes<n>{};
 }
 
-/// HalfSpace, lane by lane.
+/// The functions of HalfSpace, lane by lane.
 template <int n>
 INNER Lanes<n> gap(const HalfSpace& plane, const Triple<n>& x) {
   return dot(uniform(plane.normal), x) - plane.offset;
@@ -50,13 +50,13 @@ template <int n>
 INNER Triple<n> material_velocity(const HalfSpace& plane, const Triple<n>& x) {
   return uniform(plane.velocity) + cross(uniform(plane.spin), x - uniform(plane.point));
 }
-/// The same of a plane that may be known to stay.
+/// Returns the velocity of the plane's material at x; 0 if the plane is known to be at rest (`still`).
 template <int n, bool still>
 INNER Triple<n> surface_velocity(const HalfSpace& plane, const Triple<n>& x) {
   if constexpr (still) return {};
   return material_velocity(plane, x);
 }
-/// Its product with another vector.
+/// Returns the scalar product of that velocity with another vector; 0 if the plane is at rest.
 template <int n, bool still, class Other>
 INNER Lanes<n> with_surface(const Other& other, const Triple<n>& surface) {
   if constexpr (still) return Lanes<n>{};
@@ -72,15 +72,16 @@ INNER Triple<n> along_plane(const Uniform& normal, const Triple<n>& surface) {
   return tangential(normal, surface);
 }
 
-/// Of rounding, in squares: what is less is less without it.
+/// Margin for rounding in a comparison of squares: a value below this multiple of the limit is below the limit without rounding too [1].
 constexpr double surely = 1 - 1e-15;
 
-/// Coulomb friction of a normal impulse R on a point that slides: opposite to the mean slip, holding if it can. limit: mu R.
+/// Returns the slip after Coulomb friction of a normal impulse R: 0 if friction suffices to make the point stick; otherwise friction acts
+/// against the mean of the slips before and after the kick. limit: mu R.
 template <int n>
 INNER Triple<n> after_friction(const Lanes<n>& limit, const Triple<n>& slip_before, const Triple<n>& slip_after) {
   constexpr unsigned every = (1u << n) - 1;
   const Lanes<n> square = dot(slip_after, slip_after);
-  if (bits<n>(square <= surely * limit * limit) == every) return {};  // nearly always, and then there is no root to be taken
+  if (bits<n>(square <= surely * limit * limit) == every) return {};  // nearly always; saves the square root
   const Lanes<n> size = square_root<n>(square);
   const auto held = size <= limit;
   if (bits<n>(held) == every) return {};
@@ -95,15 +96,15 @@ struct Corrected {
   Triple<n> x1, v, impulse;
 };
 
-/// What the two ways to meet a plane have in common.
+/// Data that the two cases of contact have in common: a point that is on the plane (`stay`), and a point that arrives (`land`).
 template <int n>
 struct Meeting {
   const Approach& plane;
   Uniform normal;
-  Triple<n> x0, v;      ///< v: of the free drift
+  Triple<n> x0, v;      ///< v: velocity of the free drift
   Lanes<n> gap0, gap1;  ///< at both ends of the free drift
-  Lanes<n> wall;        ///< normal velocity of the plane where the point is
-  Triple<n> wall_t;     ///< tangential velocity of its surface
+  Lanes<n> wall;        ///< normal velocity of the plane at the point
+  Triple<n> wall_t;     ///< tangential velocity of the plane's surface
   Lanes<n> inertia;
 };
 
@@ -135,7 +136,7 @@ INNER Corrected<n> land(const Meeting<n>& m, const Triple<n>& acceleration) {
   return {snapped(m.plane.end, x1), v - ahead, m.inertia * (v - u)};
 }
 
-/// Stores the correction at hand.
+/// Stores the impulse of the current correction on the plane and its torque.
 template <int n>
 INNER void note(const HalfSpace& plane, const Triple<n>& x1, const Triple<n>& impulse, int lane, Octet& octet) {
   const Triple<n> reaction = Triple<n>{} - impulse;
@@ -281,7 +282,8 @@ INNER void settle_and_weigh(const Approach& plane, Points& v, const Points& spri
   weigh<n>(plane.h, octet, v);
 }
 
-/// All three for one register after the other. What is put comes last, so that up to there all stays in registers.
+/// Does `settle`, `weigh` and `go_on` for one register after the other. `put` comes last, so that until then all values stay in
+/// registers.
 template <int n, bool still>
 INNER void settle_and_go_on_from(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
   for (int lane = 0; lane < Octet::lanes; lane += n) {

@@ -1,7 +1,7 @@
-/// Eight control points that meet one plane: the rule of contact.hpp for one point and one plane, in all lanes at once.
+/// Eight control points that meet one plane: applies the rule of contact.hpp for one point and one plane to all lanes at once.
 ///
-/// A point comes here when the drift takes it behind the plane, and stays until the end of the step. What lanes behind the last point hold
-/// is read by nobody. Points never mix, so the bits do not depend on who their neighbours are.
+/// A point enters an octet when the drift takes the point behind the plane, and stays there until the end of the step. Lanes after the
+/// last point hold values that are never read. Lanes never mix, so the bits of a point do not depend on the other points of the octet.
 #pragma once
 #include <cstring>
 
@@ -12,24 +12,24 @@ namespace softffd {
 struct Octet {
   static constexpr int lanes = 8;
   static constexpr unsigned every = (1u << lanes) - 1;
-  static constexpr int line = 64;  ///< of the cache [bytes]; what crosses its border is slow to read right after it was written
+  static constexpr int line = 64;  ///< cache line [bytes]; a value across its border is slow to read right after it was written
   using Number = double[lanes];
   using Vector = double[3][lanes];
 
   int plane = 0, count = 0;
-  int point[lanes] = {};           ///< lanes behind the last point hold it too
-  bool run = true;                 ///< the points follow each other in memory
-  unsigned alone = 0;              ///< bits of the lanes whose points touch the plane after the drift, and no other
-  alignas(line) Number mass{};     ///< of the point [kg]
-  Number damping{};                ///< of the point [N s/m]
-  Number opening{}, closing{};     ///< impulse that a change of v by 1 m/s stands for in each half kick [N s per m/s]
-  Number keep{}, gain{};           ///< of the opening kick: v <- keep v + gain f
-  Vector x0{}, before{}, force{};  ///< at the start of the step [m], [m/s], [N]
-  Vector x1{}, v{};                ///< after the drift [m]; after the kick at hand [m/s]
+  int point[lanes] = {};           ///< number of each point; lanes after the last point repeat the last point
+  bool run = true;                 ///< the points are consecutive in memory
+  unsigned alone = 0;              ///< bits of the lanes whose points touch this plane and no other after the drift
+  alignas(line) Number mass{};     ///< mass of the point [kg]
+  Number damping{};                ///< nodal viscous drag of the point [N s/m]
+  Number opening{}, closing{};     ///< impulse per change of v in each half kick [N s per m/s]
+  Number keep{}, gain{};           ///< coefficients of the opening kick: v <- keep v + gain f
+  Vector x0{}, before{}, force{};  ///< position, velocity and force at the start of the step [m], [m/s], [N]
+  Vector x1{}, v{};                ///< position after the drift [m]; velocity after the current kick [m/s]
   Vector spring{}, outside{};      ///< forces at the end of the step [N]
-  Vector impulse{}, torque{};      ///< of the correction at hand on the obstacle, torque about its point [N s], [N m s]
-  Vector received{};               ///< impulse of the whole step on the point [N s]
-  Number work{}, lost{};           ///< in it, of the obstacle's own motion, and what contact took from the point's energy [J]
+  Vector impulse{}, torque{};      ///< on the obstacle by the current correction, torque about the obstacle's point [N s], [N m s]
+  Vector received{};               ///< impulse on the point in the whole step [N s]
+  Number work{}, lost{};           ///< in the step: work of the obstacle's own motion; energy that contact took from the point [J]
 
   unsigned all() const { return (1u << count) - 1; }  ///< bits of the lanes that hold points
   bool whole() const { return run && count == lanes; }
@@ -39,7 +39,7 @@ struct Octet {
     for (int lane = count++; lane < lanes; ++lane) point[lane] = p;
   }
 
-  /// Takes over what `settle` made of a lane.
+  /// Copies one lane of the results of `settle` from another octet.
   void take(int lane, const Octet& other) {
     for (auto part : {&Octet::v, &Octet::impulse, &Octet::torque, &Octet::received})
       for (int c = 0; c < 3; ++c) (this->*part)[c][lane] = (other.*part)[c][lane];
@@ -56,35 +56,35 @@ inline void set_lane(Octet::Vector& v, int lane, const Vec3& value) {
 struct Approach {
   HalfSpace start, middle, end;
   double friction, h;
-  bool still = false;  ///< it stays where it is
+  bool still = false;  ///< the plane is at rest
 };
 
-/// What octets hold, of all points.
+/// Arrays of all points from which `fetch` fills an octet.
 struct Gathered {
   const double *mass, *damping, *opening, *closing, *keep, *gain;
   const Points &x0, &before, &spring, &outside, &x1, &v;
 };
 
-/// Takes what is the octet's points'; forces are those at the start of the step.
+/// Loads the data of the octet's points; the forces are those at the start of the step.
 void fetch(const Gathered& all, Octet& octet);
-/// After the free drift: corrects x1 and v, and sets `alone` as if there were no other plane. Gaps up to `touching` [m] are contact.
-/// Returns the bits of the lanes whose points came onto the plane, not of those that were there.
+/// Corrects x1 and v after the free drift, and sets `alone` as if there were no other plane. Gaps up to `touching` [m] count as contact.
+/// Returns the bits of the lanes whose points came onto the plane, without those whose points were on the plane already.
 unsigned meet(const Approach& plane, double touching, Octet& octet);
-/// Then, x1 and v to those of all points.
+/// To be called after `meet`: writes x1 and v to the arrays of all points.
 void put(const Octet& octet, Points& x1, Points& v);
-/// After the closing half kick to v, by these forces: corrects the octet's v.
+/// Corrects the octet's v after the closing half kick by these forces; v: velocities of all points after that kick.
 void settle(const Approach& plane, const Points& v, const Points& spring, const Points& outside, Octet& octet);
-/// Then, what contact took from the energy of each point in the step, and v to that of all points. Over the whole step the kinetic energy
-/// changes by (J + h F) . w, where J is the impulse of its contacts, F the mean of the forces at both ends and w of the velocities there;
-/// the forces' own work is F . (x1 - x0).
+/// To be called after `settle`: computes the energy that contact took from each point in the step, and writes v to the array of all
+/// points. Over the step the kinetic energy of a point changes by (J + h F) . w, where J is the impulse of the point's contacts, F the
+/// mean of the forces at both ends and w the mean of the velocities there; the work of the forces is F . (x1 - x0).
 void weigh(double h, Octet& octet, Points& v);
-/// These two.
+/// `settle` and `weigh`.
 void settle_and_weigh(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet);
-/// Then, the next step's opening half kick and free drift: it begins where this one ends. x1 goes to that of all points, v stays here.
+/// Does the next step's opening half kick and free drift from the end of this step; writes x1 to the array of all points, v stays here.
 void go_on(double h, Octet& octet, Points& x1);
-/// All three.
+/// `settle`, `weigh` and `go_on`.
 void settle_and_go_on(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1);
-/// Bits of the lanes whose x1 has a gap of at least or at most so much [m].
+/// Bits of the lanes where the gap of x1 is at least, and at most, a given value [m].
 struct Sides {
   unsigned at_least, at_most;
 };

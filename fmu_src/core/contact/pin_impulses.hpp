@@ -1,14 +1,15 @@
-/// What pins give the points that they hold, in an explicit step: reactions and work.
+/// Impulses and work of pins on the points that they hold, in an explicit step.
 ///
-/// A pin that is led works along the mean of its point's velocities before and after each half kick. A free pin works along the mean of
-/// those before and after the whole step, because kinetic energies change so, of its points and of its part, which gives them what they
-/// get. By half kicks, whose forces stand half a step apart, the two would differ by the order of the step.
+/// The work of a pin with prescribed motion uses the mean of the point's velocities before and after each half kick. The work of a free
+/// pin uses the mean of the velocities before and after the whole step, because the kinetic energies of the points, and of the part that
+/// gives them the impulses, change so. With half kicks, whose forces are half a step apart, the two would differ by the order of the
+/// step.
 #pragma once
 #include "contact/contact.hpp"
 
 namespace softffd {
 
-/// Calls visit(point) for what free pins hold.
+/// Calls visit(point) for each point that a free pin holds.
 template <class Visit>
 void visit_free(const Drive& around, const Visit& visit) {
   for (const Pin& pin : around.pins)
@@ -17,7 +18,7 @@ void visit_free(const Drive& around, const Visit& visit) {
 
 class PinImpulses {
  public:
-  /// A step begins with velocities v.
+  /// Begins a step with velocities v.
   void begin(const Drive& around, const Points& v) {
     visit_free(around, [&](int p) {
       for (Points* each : {&start_, &given_}) each->resize(v.rows(), 3);
@@ -25,7 +26,8 @@ class PinImpulses {
       set_row(given_, p, Vec3::Zero());
     });
   }
-  /// A pin gives a point that it holds an impulse [N s]. Returns the work of a pin that is led, whose point has this mean velocity [J].
+  /// Books an impulse [N s] of a pin on a point that it holds. velocity: mean velocity of the point. Returns the work of a pin with
+  /// prescribed motion, 0 for a free pin [J].
   double give(const StepView& step, const PinnedPoint& held, const Vec3& impulse, const Vec3& velocity, Exchange& exchange) {
     exchange.pins[held.pin].add(-impulse, held.arm);
     if (step.around.pins[held.pin].own) {
@@ -36,7 +38,7 @@ class PinImpulses {
     exchange.work += work;
     return work;
   }
-  /// Books the work of free pins in the step, at whose end velocities are v, and returns it [J].
+  /// Books and returns the work of free pins in the step [J]. v: velocities at the end of the step.
   double book(const Drive& around, const Points& v, Exchange& exchange) const {
     double work = 0;
     visit_free(around, [&](int p) { work += 0.5 * row(given_, p).dot(row(start_, p) + row(v, p)); });
@@ -45,11 +47,11 @@ class PinImpulses {
   }
 
  private:
-  Points start_, given_;  ///< of points of free pins: velocities at the start of the step, what they were given in it [N s]
+  Points start_, given_;  ///< of points of free pins: velocity at the start of the step [m/s], impulse received in the step [N s]
 };
 
-/// Pinned points at the end of the drift are where the frame is. start: velocities at the start of the step; impulse(p, v): what brings
-/// point p to velocity v beyond the forces on it [N s].
+/// Moves pinned points to where their frame is at the end of the drift. start: velocities at the start of the step; impulse(p, v):
+/// impulse that brings point p to velocity v, beyond the forces on p [N s].
 template <class Given>
 void drift_pins(const StepView& step, const Points& start, const Given& impulse, Points& v, Points& x1, PinImpulses& given,
                 Exchange& exchange) {
@@ -67,7 +69,7 @@ void drift_pins(const StepView& step, const Points& start, const Given& impulse,
   }
 }
 
-/// Pinned points after the closing half kick have the frame's velocity. middle: velocities before that kick.
+/// Gives pinned points the velocity of their frame after the closing half kick. middle: velocities before that kick.
 template <class Given>
 void close_pins(const StepView& step, const Points& middle, const Given& impulse, Points& v, PinImpulses& given, Exchange& exchange) {
   step.around.visit_pinned(step.t1, [&](const PinnedPoint& held) {

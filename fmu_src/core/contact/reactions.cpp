@@ -21,7 +21,7 @@ void Reactions::kick(const StepView& step, const Points& v0) {
   held_ = free_;
 }
 
-/// Of all points that the rule has corrected.
+/// Computes the forces on all points that the contact rule has corrected.
 void Reactions::find(const StepView& step) {
   forces_.setZero();
   for (const int p : trial_.points())
@@ -36,7 +36,7 @@ void Reactions::open(const StepView& step, const Points& v0) {
   trial_.find(step, x_);
   if (trial_.drift(step, v0, held_, x_, nowhere_) != StepStatus::ok) return clear();
   find(step);
-  for (const int p : trial_.points()) {  // those that land now are not held yet
+  for (const int p : trial_.points()) {  // points that land in this step have no reaction yet
     const bool rests = std::any_of(step.around.planes.begin(), step.around.planes.end(), [&](const Plane& plane) {
       return plane.at(step.t0).gap(row(step.x0, p)) <= touching * step.body.length;
     });
@@ -54,7 +54,7 @@ void Reactions::close(const StepView& step, const Contact& contact, const Points
     if (!rested_[p]) set_row(forces_, p, Vec3::Zero());
 }
 
-/// Of points that a pin holds too the force is the pin's: in the kick it would count as lost.
+/// A point that a pin holds too gets no force here: the reaction is the pin's, and in the kick the force would count as lost.
 void Reactions::hold(const StepView& step, SurfaceContact& surface, const PhysicalState& physical, const Points& v0) {
   kick(step, v0);
   if (surface.hold(step, held_, physical.surface, physical.motion.free) != StepStatus::ok) return clear();

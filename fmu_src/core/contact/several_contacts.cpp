@@ -1,4 +1,4 @@
-/// Points that meet several planes, one after the other: the exact projection onto all of them.
+/// Contact of points that meet several planes: the points are projected exactly onto all of them, one point after the other.
 #include "contact/contact.hpp"
 #include "contact/tolerances.hpp"
 
@@ -6,12 +6,12 @@ namespace softffd {
 
 namespace {
 
-/// Where everything is at rest, velocities are allowed the rounding of this one [m/s].
+/// Speed that is added to the point's own in the rounding allowed to velocities, so that some is allowed at rest too [m/s].
 constexpr double unit_speed = 1;
 
 }  // namespace
 
-/// Bits of the lanes whose points are behind no other plane than the octet's.
+/// Returns the bits of the lanes whose points are behind no plane other than the octet's.
 unsigned Contact::alone_after_drift(const Octet& octet) const {
   unsigned lanes = octet.all();
   for (int q = 0; q < int(end_.size()); ++q)
@@ -19,7 +19,7 @@ unsigned Contact::alone_after_drift(const Octet& octet) const {
   return lanes;
 }
 
-/// Bits of the lanes whose points touch the octet's plane and no other.
+/// Returns the bits of the lanes whose points touch the octet's plane and no other.
 unsigned Contact::alone_at_the_end(const Octet& octet, double contact) const {
   unsigned lanes = octet.all();
   for (int q = 0; q < int(end_.size()); ++q) {
@@ -36,7 +36,7 @@ void Contact::book(Octet& octet, int lane, int plane, const Vec3& impulse, const
   octet.work[lane] += impulse.dot(end_[plane].material_velocity(x1));
 }
 
-/// After the octet's own plane has been met.
+/// To be called after the octet's own plane has been met: books the points that are behind no other plane, and corrects the others.
 StepStatus Contact::drift_lanes(const StepView& step, const Points& v, const Points& x1, Octet& octet, Exchange& exchange) {
   const unsigned alone = alone_after_drift(octet);
   book(octet, alone, exchange);
@@ -52,7 +52,7 @@ StepStatus Contact::drift_lanes(const StepView& step, const Points& v, const Poi
   return StepStatus::ok;
 }
 
-/// Corrects what the drift takes behind several planes.
+/// Corrects a point that the drift takes behind several planes.
 StepStatus Contact::drift_lane(const StepView& step, Octet& octet, int lane, Vec3& x1, Vec3& v, Exchange& exchange) {
   const Vec3 x0 = lane_of(octet.x0, lane), free_x1 = x1, free_v = v;
   const double h = step.h, length = step.body.length;
@@ -78,7 +78,7 @@ StepStatus Contact::drift_lane(const StepView& step, Octet& octet, int lane, Vec
   return StepStatus::ok;
 }
 
-/// After the closing half kick to v, where not all points are alone.
+/// Corrects v after the closing half kick for an octet in which not all points touch the octet's plane alone.
 StepStatus Contact::close_lanes(const StepView& step, Points& v, Octet& octet, Exchange& exchange) {
   unsettled_ = octet;
   settle(approach_[octet.plane], v, step.spring, step.force, octet);

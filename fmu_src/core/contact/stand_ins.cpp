@@ -8,16 +8,17 @@ namespace softffd {
 
 namespace {
 
-/// What presses must be this far from the edge of a face, of the box's largest side, or as far as a point may go if that is less.
+/// A point that may press on a face must be this fraction of the box's largest side inside the edge of the face, or as far as the point
+/// and the solid may move if that is less.
 constexpr double edge_share = 0.02;
 
-/// A normal of the world in the solid's frame, as Plane::facing is.
+/// Transforms a normal from the world to the frame of the solid, in which Plane::facing is given.
 Vec3 facing_of(const Plane& solid, const SolidPose& pose, const Vec3& normal) {
   if (solid.box()) return pose.edges.transpose() * normal;
   return solid.length > 0 ? swung(pose.normal, solid.normal, normal) : normal;
 }
 
-/// Unit normals of flat faces.
+/// Returns the unit normals of the flat faces of a solid.
 std::vector<Vec3> faces_of(const Plane& solid) {
   std::vector<Vec3> faces;
   for (const double side : {1.0, -1.0}) {
@@ -27,7 +28,7 @@ std::vector<Vec3> faces_of(const Plane& solid) {
   return faces;
 }
 
-/// Is the foot of x on the face in front of which it is, this far from its edge?
+/// True if the projection of x onto the face in front of x lies on the face, at least `margin` [m] from the edge.
 bool over_face(const Plane& solid, const SolidPose& pose, const Vec3& x, double margin) {
   const Vec3 arm = x - pose.point;
   if (!solid.box()) return (arm - pose.normal.dot(arm) * pose.normal).norm() <= solid.radius - margin;
@@ -37,7 +38,7 @@ bool over_face(const Plane& solid, const SolidPose& pose, const Vec3& x, double 
   return true;
 }
 
-/// The half-space that the body is furthest in front of. Returns whether it is that of a face.
+/// Chooses the supporting half-space that the body is farthest in front of. Returns true if it belongs to a flat face.
 bool choose(Plane& solid, const SolidPose& pose, double t, const Points& x) {
   const Vec3 middle = x.colwise().mean().matrix().transpose();
   Vec3 best = facing_of(solid, pose, tangent(solid, pose, middle).normal);
@@ -52,7 +53,7 @@ bool choose(Plane& solid, const SolidPose& pose, double t, const Points& x) {
   return flat;
 }
 
-/// way: that a point may go in the time [m].
+/// True if a supporting half-space may stand for the solid during H. way: how far a point can move in H [m].
 bool may_stand(const Body& body, Plane& solid, const State& state, double H, double way) {
   const SolidPose pose = solid.pose_at(state.time);
   const bool flat = choose(solid, pose, state.time, state.x);

@@ -15,11 +15,11 @@ using kernels::Lanes;
 using kernels::load;
 
 constexpr int together = 32;
-constexpr int most = 32;  // control points of an axis
+constexpr int most = 32;  // largest number of control points of an axis
 enum : int { bezier, bspline, patches };
 using Step = std::ptrdiff_t;
 
-/// What counts at some points along one axis: control points from `first` on, `count` of them.
+/// Weights at some points along one axis: `count` control points from `first` on contribute to each of them.
 struct Axis {
   double weights[most][together];
   double first[together];
@@ -55,8 +55,8 @@ INNER void place(const double* t, int n, int basis, Axis& axis) {
     for (int at = 0; at < together; ++at) axis.weights[r][at] = 0;
 }
 
-/// `n` points, from number `at` of those together, to which the same control points count: nx, ny, nz of them. line, face: from one y or
-/// one x to the next.
+/// Deforms `n` points, from number `at` of those together, to which the same control points contribute: nx, ny and nz of them. line,
+/// face: distance in `control` from one control point to the next along y and along x.
 template <int n>
 INNER void contract_some(const Axis* axes, int at, int nx, int ny, int nz, In control, Step line, Step face, double* moved) {
   Lanes<n> sum[3] = {};
@@ -73,7 +73,8 @@ INNER void contract_some(const Axis* axes, int at, int nx, int ny, int nz, In co
   for (int p = 0; p < 3 * n; ++p) moved[p] = sum[p % 3][p / 3];
 }
 
-/// One point, number `at` of those together, to which nx, ny and four control points count, from `control` on; n numbers at a time.
+/// Deforms one point, number `at` of those together, to which nx, ny and four control points contribute, from `control` on. Processes n
+/// numbers at a time.
 template <int n>
 INNER void contract_one(const Axis* axes, int at, int nx, int ny, In control, Step line, Step face, double* moved) {
   double sum[3] = {};
@@ -99,7 +100,7 @@ INNER void deform(const double* origin, const double* size, const int* counts, i
   for (long long begin = 0; begin < points; begin += together) {
     const int here = int(std::min<long long>(together, points - begin));
     const double* own = rest + 3 * begin;
-    if (here < together) {  // the rest of them stand at the origin
+    if (here < together) {  // the points that are missing stand at the origin
       for (int at = 0; at < together; ++at)
         for (int a = 0; a < 3; ++a) last[3 * at + a] = at < here ? own[3 * at + a] : origin[a];
       own = last;

@@ -6,13 +6,13 @@
 namespace softffd {
 namespace {
 
-constexpr int most_cycles = 4 * most_vectors;  // some six are needed
-constexpr double least_gain = 1e-6;            // of the square: what is not worth another cycle
-constexpr double least_share = 1e-14;
+constexpr int most_cycles = 4 * most_vectors;  // largest number of cycles; some six are needed
+constexpr double least_gain = 1e-6;            // a smaller decrease, relative to the squared norm, is not worth another cycle
+constexpr double least_share = 1e-14;          // weights up to this value become 0
 
 using Matrix = double[most_vectors][most_vectors];
 
-/// Solves a x = (1, .. 1) for a positive definite a of `count` rows, which it overwrites, by Cholesky's factor; false where it is none.
+/// Solves a x = (1, .. 1) by Cholesky factorisation of a (`count` rows), which is overwritten. False if a is not positive definite.
 bool solve(Matrix& a, int count, double* x) {
   for (int i = 0; i < count; ++i) {
     x[i] = 1;
@@ -34,15 +34,16 @@ bool solve(Matrix& a, int count, double* x) {
 struct Combination {
   Matrix products;
   std::vector<double> shares;
-  std::vector<int> in;  // the vectors that have shares
+  std::vector<int> in;  // the vectors that have weights
 
-  /// Goes towards the point of least norm in the plane through the vectors, as far as no share is negative: how far, 1 for all the way.
+  /// Moves towards the point of least norm in the plane through the vectors, as far as no weight is negative. Returns the fraction of the
+  /// way, 1 for all of it.
   double step() {
     Matrix part;
     double goal[most_vectors], sum = 0, step = 1;
     const int count = int(in.size());
     for (int i = 0; i < count; ++i)
-      for (int j = 0; j <= i; ++j) part[i][j] = products[in[i]][in[j]] + products[in[0]][in[0]];  // sums of shares are 1: a constant more
+      for (int j = 0; j <= i; ++j) part[i][j] = products[in[i]][in[j]] + products[in[0]][in[0]];  // weights sum to 1: adds a constant
     if (!solve(part, count, goal)) return 1;
     for (int i = 0; i < count; ++i) sum += goal[i];
     for (int i = 0; i < count; ++i) {

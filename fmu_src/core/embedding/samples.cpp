@@ -16,9 +16,9 @@ using Index = long long;
 using Numbers = std::vector<double>;
 using Indices = std::vector<Index>;
 
-constexpr Index block = 64;                           // vertices near each other, at most
-constexpr Index around = 96, nearest = most_vectors;  // samples around a block, and those of them that a vertex is compared with
-constexpr double rounding = 1e-7;                     // what a distance may be off where squares of weights, which are 1 at most, cancel
+constexpr Index block = 64;                           // largest number of vertices in a block
+constexpr Index around = 96, nearest = most_vectors;  // samples considered around a block; how many of them a vertex is compared with
+constexpr double rounding = 1e-7;                     // error of a distance where squares of weights, which are 1 at most, cancel
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A vertex: the weights of each axis (3, n), and W . W.
@@ -27,7 +27,7 @@ struct Place {
   double square;
 };
 
-/// Many vertices: the same, (3, n, count) and (count).
+/// Many vertices: the same numbers, (3, n, count) and (count).
 struct Places {
   Index n, count;
   Numbers weights, squares;
@@ -60,7 +60,7 @@ INNER void products(const Places& places, kernels::In q, Index& at, double* foun
   }
 }
 
-/// W_p . W_q of all places p.
+/// Computes W_p . W_q for all places p.
 void products(const Places& places, const Place& q, Numbers& found) {
   found.resize(places.count);
   Index at = 0;
@@ -68,7 +68,7 @@ void products(const Places& places, const Place& q, Numbers& found) {
   products<1>(places, q.weights.data(), at, found.data());
 }
 
-/// |W_p - W_q|^2 of all places p.
+/// Computes |W_p - W_q|^2 for all places p.
 void squared_distances(const Places& places, const Place& q, Numbers& found) {
   products(places, q, found);
   for (Index at = 0; at < places.count; ++at) found[at] = places.squares[at] + q.square - 2 * found[at];
@@ -93,7 +93,7 @@ struct Cell {
   Index vertex;
 };
 
-/// Cuts cells in the middle of their longest side until they are blocks, whose middle one is the first.
+/// Halves a set of cells along its longest side until each part is a block. The first vertex of a block is the one nearest to its middle.
 void cut(Cell* begin, Cell* end, std::vector<Indices>& blocks) {
   double low[3], high[3], middle[3] = {}, side[3];
   for (int axis = 0; axis < 3; ++axis) {
@@ -125,7 +125,7 @@ void cut(Cell* begin, Cell* end, std::vector<Indices>& blocks) {
   std::swap(blocks.back()[0], blocks.back()[least.second]);
 }
 
-/// All places in blocks of those near each other at rest.
+/// Returns all places in blocks of places that are near each other at rest.
 std::vector<Indices> blocks_of(const Places& places) {
   std::vector<Cell> cells(places.count);
   for (Index at = 0; at < places.count; ++at) {
@@ -137,11 +137,11 @@ std::vector<Indices> blocks_of(const Places& places) {
   return blocks;
 }
 
-/// Vertices near each other, and how far they are from all that are chosen.
+/// Vertices near each other, and their distances from the nearest of all vertices chosen.
 struct Block {
   Indices own;
   Places members;
-  Numbers distances;  // squared, like `farthest` and `reach`
+  Numbers distances;  // to the nearest vertex chosen, squared, like `farthest` and `reach`
   double radius, farthest = infinity, reach = infinity;
 
   void compare(const Place& chosen, Numbers& found) {
@@ -180,7 +180,7 @@ void farthest_first(const Places& whole, Index first, Index count, Index* order)
   }
 }
 
-/// The places with the least values, `count` or all, the least first.
+/// Returns the places with the `count` smallest values, or all places, the smallest first.
 Indices least(const Numbers& values, Index count) {
   std::vector<std::pair<double, Index>> order(values.size());
   for (std::size_t at = 0; at < values.size(); ++at) order[at] = {values[at], Index(at)};
@@ -191,7 +191,7 @@ Indices least(const Numbers& values, Index count) {
   return found;
 }
 
-/// e_v of a vertex by the samples near it; `enough` where it is seen to be at most that, as |.|_1 <= sqrt(n^3) |.|_2.
+/// Returns e_v of a vertex from the samples near it, or `enough` if |.|_1 <= sqrt(n^3) |.|_2 shows that e_v is at most `enough`.
 double behind(const Places& samples, const Place& q, double enough) {
   const Index n = samples.n;
   Numbers aim, row;

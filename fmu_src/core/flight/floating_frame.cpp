@@ -14,8 +14,8 @@ namespace {
 
 using Matrix = Eigen::Matrix3d;
 
-/// Forces left out turn vibrations out of their direction, step by step the same way, while of estimated errors a multiple of the
-/// tolerance may add up (traits.hpp).
+/// Weight of the neglected forces in the error [1]. They turn vibrations out of their direction in the same sense in every step, whereas
+/// estimated errors may add up to this multiple of the tolerance (traits.hpp).
 const double systematic = traits(Method::floating_frame).tolerance_sum;
 
 }  // namespace
@@ -70,7 +70,7 @@ void FloatingFrame::enter_frame(const Body& body, const State& state, const Rigi
   body.internal_force(shape_.x, shape_.spring);
 }
 
-/// Outside forces less the inertia of the frame's motion, in its axes.
+/// Computes the outside forces less the drag and the inertia of the frame's motion, in the axes of the frame [N].
 void FloatingFrame::load_frame(const Equations& equations, double t, const RigidState& rigid, Points& load) {
   const Body& body = equations.body;
   const Points& outside = equations.outside(t, outside_);
@@ -83,8 +83,8 @@ void FloatingFrame::load_frame(const Equations& equations, double t, const Rigid
   }
 }
 
-/// Composes the motion: deformation without the centre's, spin and half a step's turn by what the angular momentum lacks. Returns what the
-/// frame's forces on the deformation within the step may move [m].
+/// Composes the motion: the deformation without its centre's motion, the spin, and a turn by half a step of the spin that the angular
+/// momentum adds. Returns how far the neglected forces of the frame on the deformation may move a point in the step [m].
 double FloatingFrame::leave_frame(const Equations& equations, double t, double h, const RigidState& rigid) {
   const Body& body = equations.body;
   const Points& outside = equations.outside(t, outside_);
@@ -112,7 +112,7 @@ double FloatingFrame::leave_frame(const Equations& equations, double t, double h
   return h * neglected;
 }
 
-/// Books the work of ramps, by the cubic through both ends, and what the step's energies lack.
+/// Books the work of force ramps, along the cubic through both ends, and the energy that is missing after the step.
 void FloatingFrame::lose(const Equations& equations, double t, double h, const State& state) {
   const auto& [body, around] = equations;
   double ramp = 0, constant = 0, gain = 0;

@@ -1,21 +1,22 @@
-/// Free flight of a stiff body in long steps: its rigid motion on its own, and its deformation in a frame that takes part in it (floating
-/// frame of reference; Shabana 2013, Dynamics of Multibody Systems, chapter 5).
+/// Free flight of a stiff body in long steps. The rigid motion is integrated on its own, and the deformation in a frame that moves with it
+/// (floating frame of reference; Shabana 2013, Dynamics of Multibody Systems, chapter 5).
 ///
 ///      x = c(t) + R(t) Q y,      Q: the attitude at the start, c(t), R(t): the motion of the body if it kept its shape.
 ///
-/// Implicit methods take points along straight lines; what that stretches stiff springs by, they throw back, and the rotation gains or
-/// loses energy. In the frame hardly anything moves. There the points feel the outside forces less the inertia of the frame's motion,
+/// Implicit methods move points along straight lines. This stretches stiff springs, which throw the points back, and the rotation gains or
+/// loses energy. In the frame hardly anything moves. There the outside forces act on the points, less the inertia of the frame's motion,
 ///
 ///      M y'' = spring forces(y) + g(t) - D y',      g = (R Q)^T (f - D x'_frame - M x''_frame),
 ///
-/// which ROS34PW2 follows with one factor of one matrix, however the body turns: modes that are fast against the step go to their
-/// equilibrium, slow ones are resolved. g is taken at both ends of the step for the shape of its beginning, and linear in between. What a
-/// change of shape within the step would add to it, Coriolis' force above all, is part of the error estimate: a soft part that vibrates
-/// slowly is left to other methods.
+/// which ROS34PW2 integrates with one factor of one matrix, however the body turns: modes that are fast compared with the step go to their
+/// equilibrium, slow modes are resolved. g is evaluated at both ends of the step, for the shape at its beginning, and is linear in
+/// between. What a change of shape within the step would add to g, Coriolis' force above all, is part of the error estimate: a soft part
+/// that vibrates slowly is left to other methods.
 ///
-/// At the end the centre is the rigid body's, the spin follows from the angular momentum, and the attitude gets half a step of what the
-/// rigid body's spin lacked. The angular momentum is the rigid body's with the moments of the outside forces on the changed shape: in
-/// torque-free flight it stays as it is, to rounding. What the deformation loses counts as dissipated. There are no pins.
+/// At the end of the step the centre is that of the rigid body, the spin follows from the angular momentum, and the attitude is corrected
+/// by half a step of what the rigid body's spin lacked. The angular momentum is that of the rigid body plus the moments of the outside
+/// forces on the change of shape: torque-free flight conserves it to rounding. What the deformation loses counts as dissipated. There are
+/// no pins.
 #pragma once
 #include "flight/rigid_body.hpp"
 #include "methods/ros34pw2.hpp"
@@ -24,7 +25,7 @@ namespace softffd {
 
 class FloatingFrame final : public OneStep {
  public:
-  /// The deformation is `deformation`'s to integrate; its `factored` is that of this method too, in the frame.
+  /// `deformation` integrates the deformation; its `factored` is also the factor of this method, in the frame.
   FloatingFrame(const Lattice& lattice, Ros34pw2& deformation);
   double attempt(const Equations& equations, double t, double h, const State& state) override;
 
@@ -38,9 +39,9 @@ class FloatingFrame final : public OneStep {
 
   Ros34pw2& deformation_;
   RigidBody body_;
-  Drive around_;                 ///< in the frame
-  State shape_;                  ///< in the frame, at the start
-  Points rest_, arm_, outside_;  ///< rest positions; arms at the start, world axes [m]
+  Drive around_;                 ///< forces in the frame
+  State shape_;                  ///< state in the frame, at the start of the step
+  Points rest_, arm_, outside_;  ///< rest positions [m]; arms at the start, in world axes [m]; workspace
   Eigen::Matrix3d attitude_;     ///< Q
 };
 

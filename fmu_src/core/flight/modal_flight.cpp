@@ -20,16 +20,16 @@ namespace {
 using Matrix = Eigen::Matrix3d;
 using Complex = std::complex<double>;
 
-/// Modes whose neighbours are closer than this many spins feel Coriolis' force together; between others it averages to a share of about
-/// one over it.
+/// Modes whose frequencies are closer than this many spins are coupled by Coriolis' force. Between other modes the force averages out to a
+/// fraction of about one over this number.
 constexpr double linked = 30;
-/// Steps towards a possible touch at most.
+/// Largest number of advances towards a possible touch.
 constexpr int most_advances = 200;
 constexpr double anharmonic = 10;
-/// A gap of this share of the box is a touch.
+/// A gap below this fraction of the box is a touch.
 constexpr double near_enough = 1e-9;
 
-/// e^-a for a >= 0, the same on every platform.
+/// Returns e^-a for a >= 0, the same on every platform.
 double decayed(double a) {
   if (a > 700) return 0;
   int halvings = 0;
@@ -50,8 +50,8 @@ Complex turned(double angle) {
   return {r.cosine, r.sine};
 }
 
-/// Of a free body in flight for some time [s]: of its acceleration beside another one [m/s2], and of its spin [rad/s]. Its loads grow
-/// evenly: they are largest at either end.
+/// Bounds for a free body in flight for some time [s]: of its acceleration relative to `other` [m/s2] and of its spin [rad/s]. Its loads
+/// grow linearly, so that they are largest at one of the ends.
 struct FreeBounds {
   double acceleration, spin;
 };
@@ -154,13 +154,14 @@ double ModalFlight::mean_frequency() const {
   return sum > 0 ? std::sqrt(weighted / sum) : 0;
 }
 
-/// A vibration's frequency changes by about the square of the amplitude over a cell's size; measured, ten times that on soft boxes.
+/// The relative change of a frequency is about (amplitude / cell size)^2; measured on soft boxes, ten times that.
 double ModalFlight::neglected_rate() const {
   const double squared = (q_.squaredNorm() + (q_rate_.array() / modes_.frequency).square().sum()) / modes_.mass;
   return anharmonic * squared * std::sqrt(2 * energy() / modes_.mass) / (cell_ * cell_);
 }
 
-/// Speed that drag, - d u in sum, gives a point of the rigid body while these amplitudes come about: none where drag goes with mass.
+/// Returns the speed that drag, the sum of - d u, gives a point of the rigid body while these amplitudes arise [m/s]: zero if drag is
+/// proportional to mass.
 double ModalFlight::pulled_on(const Body& body, const Eigen::VectorXd& amplitudes) {
   displacement_.noalias() = modes_.shape * amplitudes;
   v_ = Eigen::Map<const Points>(displacement_.data(), body.points(), 3).colwise() * body.damping;
@@ -178,7 +179,7 @@ double ModalFlight::neglected_way(const Equations& equations, double until) {
   return way + until * (pulled_on(equations.body, q_) + pulled_on(equations.body, amplitude_));
 }
 
-/// Mean angular momentum of the vibrations, body axes: what modes of nearly the same frequency have together.
+/// Returns the mean angular momentum of the vibrations, in body axes: that of pairs of modes of nearly the same frequency [kg m2/s].
 Vec3 ModalFlight::inner_momentum(double spin) const {
   const double reach = linked * std::max(1.0, spin);
   Vec3 sum = Vec3::Zero();
@@ -210,12 +211,12 @@ ModalFlight::Nearing ModalFlight::nearing(const Body& body, const Plane& plane, 
   return {least_gap(body, obstacle, still), speed, acceleration};
 }
 
-/// In any direction, for at most so long.
+/// As `nearing`, for a solid obstacle: bounds for any direction and for at most `time` [s].
 ModalFlight::Nearing ModalFlight::nearing_solid(const Body& body, const Plane& solid, bool still, double time) const {
   const SolidPose pose = solid.pose_at(t_);
   const HalfSpace facing = tangent(solid, pose, rigid_.centre);
   double gap = facing.gap(rigid_.centre) - modes_.radius - (still ? 0 : way_.maxCoeff());
-  if (gap < modes_.radius) {  // where it is near the sum of the bounds is not good enough
+  if (gap < modes_.radius) {  // near the solid the sum of the bounds is too coarse
     const Matrix axes = rigid_.turn * attitude_;
     gap = std::numeric_limits<double>::infinity();
     for (int s = 0; s < body.samples->count(); ++s) {
@@ -233,7 +234,7 @@ ModalFlight::Nearing ModalFlight::nearing_solid(const Body& body, const Plane& s
           (rigid_.acceleration - solid.acceleration).norm() + turning + solid.angular_acceleration.norm() * solid.size()};
 }
 
-/// Of a free obstacle and another, for at most so long.
+/// As `nearing`, between a free obstacle and another one, for at most `time` [s].
 ModalFlight::Nearing ModalFlight::nearing_free(const Plane& free, const Plane& other, double time) const {
   const SolidPose pose = free.pose_at(t_);
   const HalfSpace facing = facing_half_space(other, t_, pose.point);
@@ -279,7 +280,7 @@ double ModalFlight::until_touch(const Equations& equations, double most, double 
   return gone;
 }
 
-/// The deformations that the forces in the frame hold the modes at.
+/// Computes the static deformations of the modes under the forces in the frame, (modes).
 void ModalFlight::load(const Equations& equations, double t, Eigen::VectorXd& held) {
   const Body& body = equations.body;
   const Points& outside = equations.outside(t, outside_);
@@ -296,7 +297,7 @@ void ModalFlight::load(const Equations& equations, double t, Eigen::VectorXd& he
   held.array() /= modes_.frequency.square();
 }
 
-/// Takes the modes through `time`, around what holds them at its beginning, and leaves them around nothing.
+/// Advances the modes by `time` [s]; before and after, q_ is relative to a static deformation.
 void ModalFlight::vibrate(double time) {
   const int count = modes_.count();
   const double link = linked * spin_.norm();
@@ -317,7 +318,7 @@ void ModalFlight::vibrate(double time) {
   }
 }
 
-/// Modes of neighbouring frequencies, in which Coriolis' force turns the vibration from one into another.
+/// Advances a group of modes of neighbouring frequencies, among which Coriolis' force turns the vibration from one into another.
 void ModalFlight::turn_group(int first, int count, double time, const Vec3& spin) {
   constexpr int most = Modes::most_neighbours;
   using Square = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>;
@@ -337,7 +338,7 @@ void ModalFlight::turn_group(int first, int count, double time, const Vec3& spin
   const Eigen::SelfAdjointEigenSolver<Square> solver(h);
   Column y = solver.eigenvectors().adjoint() * z;
   for (int a = 0; a < count; ++a) {
-    double gamma = 0;  // of what vibrates together, to first order
+    double gamma = 0;  // decay of the coupled vibration, to first order
     for (int b = 0; b < count; ++b) gamma += std::norm(solver.eigenvectors()(b, a)) * modes_.decay[first + b];
     y[a] *= turned((solver.eigenvalues()[a] + mean) * time) * decayed(gamma * time);
   }

@@ -1,16 +1,15 @@
-/// Free flight of a stiff body for any length of time at once: its rigid motion (rigid_body.hpp), and its vibrations, each with its phase,
-/// in a frame that turns with the rest shape (modes.hpp).
+/// Free flight of a stiff body over any length of time at once, by modal superposition in a floating frame: the rigid motion
+/// (rigid_body.hpp), and the vibrations, each with its phase, in a frame that turns with the rest shape (modes.hpp).
 ///
-///      x = c + Q (r + u),   u = sum of shape_a q_a,   Q: the rotation next to the body's, c: its centre of mass,
+///      x = c + Q (r + u),   u = sum of shape_a q_a,   Q: the rotation closest to the body's deformation, c: its centre of mass.
 ///
-/// a mode going round the deformation s_a that the loads in the frame hold it at, (Q^T (f - inertia of the frame's motion), shape_a) /
-/// omega_a^2:      q = s + Re z, q' = -omega Im z, and z turns as exp(i omega t - decay t), in groups of neighbouring frequencies with what
-/// Coriolis' force couples. The rigid motion is that of the rest shape with the vibration's mean angular momentum inside. Going in and out
-/// of the frame keeps momentum and angular momentum to rounding.
+/// A mode vibrates about the static deformation s_a = (Q^T (f - inertia of the frame's motion), shape_a) / omega_a^2 under the loads in
+/// the frame: q = s + Re z, q' = -omega Im z, where z turns as exp(i omega t - decay t). Modes of neighbouring frequencies turn together
+/// in a group, coupled by Coriolis' force. The rigid motion is that of the rest shape, with the mean angular momentum of the vibrations
+/// inside. Entering and leaving the frame conserves momentum and angular momentum to rounding.
 ///
-/// Left out: how frequencies change with amplitude (`neglected_rate`), what unequal damping makes of one mode in others and of the rigid
-/// motion
-/// (`neglected_way`), and how loads turn within a vibration, slight where `energy_missed` is.
+/// Neglected are the change of frequencies with the amplitude (`neglected_rate`), the coupling of a mode to others and to the rigid motion
+/// by unequal damping (`neglected_way`), and the turning of loads within a vibration, which is slight where `energy_missed` is.
 #pragma once
 #include "flight/modes.hpp"
 #include "flight/rigid_body.hpp"
@@ -22,38 +21,38 @@ class ModalFlight {
  public:
   explicit ModalFlight(const Lattice& lattice);
 
-  /// Whether this body has the modes for it; makes them where the material is new.
+  /// True if this body has modes for such a flight. Computes the modes if the material has changed.
   bool possible(const Body& body);
   const Modes& modes() const { return modes_; }
 
-  /// Takes the motion apart at time t. Energies are those of vibration and deformation there.
+  /// Decomposes the motion at time t [s] into rigid motion and modes. Energies are those of vibration and deformation at that time.
   void enter(const Equations& equations, double t, const State& state);
-  double energy() const;          ///< of the modes [J]
-  double energy_missed() const;   ///< what the modes do not have of the body's [J]
-  double mean_frequency() const;  ///< root of the mean of omega^2, by energy [rad/s]
-  /// The same after a time in which damping has had its share.
+  double energy() const;          ///< energy of the modes [J]
+  double energy_missed() const;   ///< by how much the energy of the modes differs from the body's [J]
+  double mean_frequency() const;  ///< root of the mean of omega^2, weighted by energy [rad/s]
+  /// Returns the energy of the modes after damping has acted for `time` [s] [J].
   double energy_after(double time) const;
-  /// Rate at which the vibrations' change of frequency with their amplitude, which is left out, moves points [m/s].
+  /// Returns the speed at which points move off because the frequencies' change with the amplitude is neglected [m/s].
   double neglected_rate() const;
-  /// How far unequal damping may move a point by what it makes of one mode in others, and, until an error is forgotten or the run ends [s],
-  /// by what it takes of the rigid motion for displacements, which is left out [m].
+  /// Returns how far unequal damping, as far as it is neglected, may move a point [m]: by the coupling between modes, and by the drag of
+  /// displacements on the rigid motion for the time `until` [s], after which an error is forgotten or the run ends.
   double neglected_way(const Equations& equations, double until);
-  /// Time in which the slowest damping forgets [s].
+  /// Returns the time constant of the slowest damping [s]; infinite without damping.
   double memory() const;
-  /// Share of an amplitude that the slowest damping leaves.
+  /// Returns the fraction of an amplitude that the slowest damping leaves after `time` [s].
   double remaining(double time) const;
-  /// The rigid part of the motion now.
+  /// Returns the present rigid part of the motion.
   const RigidState& rigid() const { return rigid_; }
 
-  /// Goes on until a point could touch an obstacle, `most` [s] at most, the modes going as far as they can at the same moment (still: not
-  /// at all), by steps that no point can cross the gap in, the last one below `shortest`. Returns the time gone [s].
+  /// Advances the rigid motion until a point could touch an obstacle, at most `most` [s], with all modes at their amplitude (still:
+  /// without modes). No point can cross the gap in one advance, and the last one is below `shortest` [s]. Returns the elapsed time [s].
   double until_touch(const Equations& equations, double most, double shortest, bool still);
-  /// Puts the motion together as it is after until_touch.
+  /// Composes the motion at the time that `until_touch` has reached.
   void leave(const Equations& equations, State& state);
 
-  /// Keeps the vibration of the last `enter` to compare another with.
+  /// Stores the vibration of the last `enter` for `difference`.
   void remember();
-  /// Size of what the vibration differs by from the one that is remembered, |(q', omega q)| / sqrt(mass) [m/s].
+  /// Returns the size of the difference between the vibration and the stored one, |(q', omega q)| / sqrt(mass) [m/s].
   double difference() const;
 
  private:
@@ -62,7 +61,7 @@ class ModalFlight {
   void turn_group(int first, int count, double time, const Vec3& spin);
   Vec3 inner_momentum(double spin) const;
   double pulled_on(const Body& body, const Eigen::VectorXd& amplitudes);
-  /// How an obstacle stands to the body: the least gap [m], bounds of the speed and the acceleration at which it closes [m/s, m/s2].
+  /// The least gap between an obstacle and the body [m], and bounds of the speed and the acceleration at which it closes [m/s, m/s2].
   struct Nearing {
     double gap, speed, acceleration;
   };
@@ -74,15 +73,15 @@ class ModalFlight {
   Points rest_;
   double cell_;  ///< shortest side of a cell [m]
   Modes modes_;
-  Count version_ = -1;  ///< of the body
+  Count version_ = -1;  ///< of the body that the modes belong to
   RigidBody body_;
   RigidState begin_, rigid_;
-  double t0_ = 0, t_ = 0;                            ///< of `enter`, and of the rigid motion now [s]
+  double t0_ = 0, t_ = 0;                            ///< times of `enter` and of the present rigid motion [s]
   double deformation_ = 0;                           ///< the body's energy of vibration and deformation [J]
   Eigen::Matrix3d attitude_;                         ///< Q at `enter`
-  Vec3 spin_;                                        ///< mean of the rigid motion's, in the body's axes [rad/s]
-  Eigen::VectorXd q_, q_rate_, held_;                ///< (modes); held: s
-  Eigen::VectorXd old_, old_rate_;                   ///< what is remembered
+  Vec3 spin_;                                        ///< mean spin of the rigid motion, in body axes [rad/s]
+  Eigen::VectorXd q_, q_rate_, held_;                ///< (modes) modal coordinates q, q' and static deformations s
+  Eigen::VectorXd old_, old_rate_;                   ///< the stored vibration
   Eigen::VectorXd displacement_, rate_, amplitude_;  ///< workspace
   Scalars way_;                                      ///< (points) largest excursion of each point [m]
   Scalars heights_;                                  ///< (points) workspace

@@ -10,10 +10,10 @@ namespace softffd {
 
 namespace {
 
-/// Frequencies below this share of the largest are those of a part that nothing holds.
+/// If the lowest frequency is below this fraction of the largest, it is that of a part that nothing holds.
 constexpr double loose = 1e-6;
-/// Share of the largest eigenvalue by which unequal damping is added to the matrix, so that it sorts modes of the same frequency: far above
-/// rounding, far below what a vibration's phase feels.
+/// Unequal damping is added to the matrix with this fraction of the largest diagonal entry, so that it separates modes of the same
+/// frequency: far above rounding, and far below what affects the phase of a vibration.
 constexpr double sorting = 1e-11;
 
 /// M^-1/2 K M^-1/2.

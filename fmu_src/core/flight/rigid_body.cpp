@@ -13,13 +13,13 @@ namespace {
 
 using Matrix = Eigen::Matrix3d;
 
-/// Columns of the extrapolation: order 2 columns.
+/// Number of columns of the extrapolation; its order is twice this number.
 constexpr int columns = 6;
-/// Of the quickest rate of change, in radians; the error of a piece is then far below rounding.
+/// Largest length of a piece, times the quickest rate of change [rad]; the error of a piece is then far below rounding.
 constexpr double longest_piece = 0.3;
 constexpr double most_pieces = 30;
 
-/// Of a unit quaternion.
+/// Returns the rotation matrix of a unit quaternion w x y z.
 Matrix rotation(const Eigen::Vector4d& q) {
   const double w = q[0], x = q[1], y = q[2], z = q[3];
   Matrix r;
@@ -34,7 +34,7 @@ Matrix turn_of(const Eigen::Matrix<double, 13, 1>& y) {
   return rotation(q / std::sqrt(q.squaredNorm()));
 }
 
-/// sum of epsilon_ijk a_jk.
+/// Returns the sum over j, k of epsilon_ijk a_jk.
 Vec3 axial(const Matrix& a) { return {a(1, 2) - a(2, 1), a(2, 0) - a(0, 2), a(0, 1) - a(1, 0)}; }
 
 }  // namespace
@@ -75,7 +75,7 @@ RigidBody::Rates RigidBody::rates(double t, const Values& y, const Matrix& turn)
   r.spin = turn * (inverse_inertia_ * (turn.transpose() * momentum - inner_));
   Vec3 force = force_[derivatives_];
   Matrix moments = moments_[derivatives_];
-  for (int n = derivatives_; n > 0; --n) {  // Taylor's sum from its end
+  for (int n = derivatives_; n > 0; --n) {  // Taylor's sum from its last term
     force = force_[n - 1] + (t / n) * force;
     moments = moments_[n - 1] + (t / n) * moments;
   }
@@ -100,7 +100,7 @@ void RigidBody::slope(double t, const Values& y, Values& f) const {
   f.tail<3>() = r.torque;
 }
 
-/// Rate at which the motion changes its direction [1/s]: turning, swinging under the forces, being damped.
+/// Returns the rate at which the motion changes its direction [1/s], by turning, swinging under the forces and damping.
 double RigidBody::quickest() const {
   const Rates r = rates(t_, y_, turn_of(y_));
   double moments = 0;
@@ -119,7 +119,7 @@ double RigidBody::advance(double h) {
   return error;
 }
 
-/// Extrapolates the change: its rounding is multiplied, that of the values is not.
+/// Advances by a piece of h [s]. Extrapolates the change, so that only the rounding of the change is multiplied, not that of the values.
 double RigidBody::piece(double h) {
   Values first, f, before, here, table[columns];
   slope(t_, y_, first);
@@ -161,7 +161,7 @@ RigidState RigidBody::state() const {
   s.acceleration = r.acceleration;
   s.spin = r.spin;
   s.angular_momentum = y_.tail<3>();
-  // I w' = L' - w x L, a part of L being fixed to the body
+  // I w' = L' - w x L, where a part of L is fixed to the body
   s.spin_rate = s.turn * (inverse_inertia_ * (s.turn.transpose() * (r.torque - s.spin.cross(s.angular_momentum))));
   return s;
 }

@@ -40,7 +40,7 @@ INNER void add_scaled(int lanes, double factor, In pull, Out f) {
   for (int p = 0; p < lanes; ++p) f[p] += factor * pull[p];
 }
 
-/// Where the edges along x, y and z of corner number `corner` of lane 0 stand.
+/// Index offsets of the edges along x, y and z of corner number `corner`, for lane 0.
 struct CornerEdges {
   int x, y, z;
   CornerEdges(const int offset[3], int corner) {
@@ -51,7 +51,7 @@ struct CornerEdges {
   }
 };
 
-/// Edges (9 * points), by axis of the edge, then by coordinate.
+/// Computes the edges (9 * points), by axis of the edge, then by coordinate.
 INNER void make_edges(int points, const int offset[3], const double per_length[3], const double* x, double* edges) {
   for (int axis = 0; axis < 3; ++axis)
     for (int coordinate = 0; coordinate < 3; ++coordinate) {
@@ -71,7 +71,8 @@ INNER Lanes<n> determinant(const Triple<n>& x, const Triple<n>& y, const Triple<
   return x.x * ax + x.y * ay + x.z * az;
 }
 
-/// The smallest corner volumes of n cells from lane p on: their eight corners' points, bit `axis` of the number for the place along it.
+/// Lowers `smallest` to the smallest corner volumes of the n cells from the lane of x on. Bit `axis` of a corner's number is its place
+/// along that axis.
 template <int n>
 INNER void lowest(int points, const int offset[3], const double per_length[3], const double* x, Lanes<n>& smallest) {
   Triple<n> corner[8], along[3][4];
@@ -89,7 +90,7 @@ INNER void lowest(int points, const int offset[3], const double per_length[3], c
   }
 }
 
-/// Of all cells (lanes).
+/// Computes the smallest corner volume of every cell (lanes).
 template <int n>
 INNER void corner_volumes(int points, int lanes, const int offset[3], const double per_length[3], const double* absent, const double* x,
                           double* smallest) {

@@ -3,11 +3,11 @@
 /// At every corner (a, b, c) of a cell, a, b, c = 0 or 1, three of the cell's twelve edges meet, one along each axis of the lattice. With
 /// every edge taken in the direction of rising index and divided by its length at rest, the relative volume of the corner is
 ///
-///      J = det(X_bc, Y_ac, Z_ab),       1 at rest, 0 where the three edges lie in a plane, negative where they are turned inside out,
+///      J = det(X_bc, Y_ac, Z_ab),       1 at rest, 0 where the three edges lie in a plane, negative where the corner is inverted,
 ///
-/// X_bc being the edge along x at (., b, c). No signs are needed: from corner 0 to corner 1 of an axis both the edge's own direction and
-/// the handedness of the corner change. Cells stand in lanes as springs do: lane p is the cell whose corner (0, 0, 0) is point p, and an
-/// edge is made once for the up to four cells around it. Lanes at the upper ends of the rows of points are nobody's:
+/// where X_bc is the edge along x at (., b, c). The formula needs no signs: from corner 0 to corner 1 of an axis both the direction of
+/// the edge and the handedness of the corner change. Cells stand in lanes, as springs do: lane p is the cell whose corner (0, 0, 0) is
+/// point p, and each edge is made once for the up to four cells around it. Lanes at the upper ends of the rows of points have no cell:
 ///
 ///      p        0  1  2  3 | 4  5  6  7 ...
 ///      cell     *  *  *  . | *  *  *  .
@@ -22,11 +22,11 @@ class Cells {
  public:
   explicit Cells(const Lattice& lattice);
 
-  /// Smallest J of each lane's corners at configuration x, (points, 3); infinite without a cell. (lanes), until the next call.
+  /// Returns the smallest corner volume J of each lane at x, (points, 3): (lanes), infinite without a cell, valid until the next call.
   const Scalars& smallest(const Points& x) const;
-  /// Whether any corner has J < limit.
+  /// True if any corner has J < limit at x.
   bool any_below(double limit, const Points& x) const;
-  /// Number of cells with a corner of J <= 0, turned inside out or flat there.
+  /// Returns the number of cells with a corner of J <= 0, inverted or flat.
   int folded(const Points& x) const;
 
   int lanes() const { return int(absent_.size()); }
@@ -34,7 +34,7 @@ class Cells {
   struct Corner {
     double volume;                 ///< J
     std::array<int, 4> points;     ///< the corner and its neighbours along x, y, z
-    std::array<Vec3, 4> gradient;  ///< of J by these four points [1/m]
+    std::array<Vec3, 4> gradient;  ///< of J with respect to these four points [1/m]
   };
   Corner corner(const Points& x, int lane, int a, int b, int c) const;
 
@@ -55,11 +55,11 @@ class Cells {
   void add_squares(double limit, double factor, const Points& x, Points& f) const;
 
  private:
-  std::array<int, 3> offset_;         ///< from a point to its neighbour along each axis
+  std::array<int, 3> offset_;         ///< index offset from a point to its neighbour along each axis
   std::array<double, 3> per_length_;  ///< 1 / length of the edges at rest [1/m]
   int points_;
-  Scalars absent_;                 ///< (lanes) 0: a cell, infinite: none
-  mutable Scalars edges_, pulls_;  ///< (9 * points) by axis of the edge, then by coordinate; none until corners resist
+  Scalars absent_;                 ///< (lanes) 0 where there is a cell, infinite where there is none
+  mutable Scalars edges_, pulls_;  ///< (9 * points) by axis of the edge, then by coordinate; empty until a corner resists
   mutable Scalars smallest_;       ///< (lanes)
 };
 

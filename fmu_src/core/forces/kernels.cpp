@@ -105,7 +105,7 @@ INNER void accelerate_damped(std::size_t n, const double* m, const double* r, co
   for (std::size_t i = 0; i < n; ++i) a[i] = m[i] * (f[i] + g[i]) - r[i] * v[i];
 }
 
-/// Of `registers` registers' worth of numbers from i on: they stay in these while all arrays are added.
+/// Combines the numbers from i on that `registers` registers hold; the sums stay in registers while all arrays are added.
 template <int n, int registers>
 INNER void combine_some(std::size_t i, const double* x, int count, const double* w, const double* const* a, double* y) {
   Lanes<n> sum[registers];
@@ -124,7 +124,8 @@ INNER void combine(std::size_t numbers, const double* x, int count, const double
   for (; i < numbers; ++i) combine_some<1, 1>(i, x, count, w, a, y);
 }
 
-/// The largest of numbers that are read some at a time; NaN if any is NaN or infinite. These do not compare, but times 0 they are NaN.
+/// The largest size of numbers that are read several at a time; NaN if any is NaN or infinite. Comparisons do not show these, but their
+/// product with 0 is NaN.
 template <int n>
 struct Largest {
   Lanes<n> most{}, none{};
@@ -135,7 +136,7 @@ struct Largest {
   }
 };
 
-/// read(i, register): the numbers from i on that a register holds.
+/// Returns the largest size of `count` numbers. read(i, register): the numbers from i on that a register holds.
 template <int n, class Read>
 INNER double largest_of(std::size_t count, const Read& read) {
   Largest<n> many;
@@ -186,7 +187,7 @@ INNER bool gaps(int points, const double* x, const double normal[3], double offs
   return behind != 0;
 }
 
-/// Of the points at x that a register holds: a bit each.
+/// Returns one bit for each point at x that a register holds: whether the gap is negative.
 template <int n>
 INNER unsigned behind_some(int points, const double* x, const double normal[3], double offset) {
   const Triple<n> at = load<n>(x, points);
@@ -195,7 +196,7 @@ INNER unsigned behind_some(int points, const double* x, const double normal[3], 
 
 template <int n>
 INNER bool behind(int points, const double* x, const double plane_normal[3], double offset, unsigned char* found) {
-  const double normal[3] = {plane_normal[0], plane_normal[1], plane_normal[2]};  // which no writing to `found` changes
+  const double normal[3] = {plane_normal[0], plane_normal[1], plane_normal[2]};  // a copy that no writing to `found` changes
   unsigned any = 0;
   int p = 0;
   for (; p + 8 <= points; p += 8) {
@@ -210,7 +211,7 @@ INNER bool behind(int points, const double* x, const double plane_normal[3], dou
   return (any | block) != 0;
 }
 
-/// f += the springs' forces on their first ends, which lie in the scratch, -= on their second ends.
+/// Adds the springs' forces, which are in `scratch`, to f at their first ends and subtracts them at their second ends.
 INNER void give_both_ends(const SpringRow& springs, int points, const double* scratch, double* f) {
   const int lanes = springs.lanes;
   const double *sx = scratch, *sy = scratch + lanes, *sz = scratch + 2 * lanes;
@@ -219,7 +220,7 @@ INNER void give_both_ends(const SpringRow& springs, int points, const double* sc
   subtract(lanes, sx, sy, sz, second, second + points, second + 2 * points);
 }
 
-/// Least 1 - l/r that counts: keeps the matrix of a spring without length finite.
+/// A smaller 1 - l/r counts as this value [1], which keeps the matrix of a spring without length finite.
 constexpr double least_stretch = -1e6;
 
 INNER void spring_matrices(int lanes, double softening, double per_time, In x0, In y0, In z0, In x1, In y1, In z1, In k, In l, In dashpot,

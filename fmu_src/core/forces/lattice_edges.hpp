@@ -1,4 +1,4 @@
-/// Ways from each point of a lattice to its next neighbour along the axes, by which it is seen that a body has deformed.
+/// Vectors from each point of a lattice to its next neighbour along the axes. Their change shows that a body has deformed.
 #pragma once
 #include <array>
 
@@ -10,7 +10,7 @@ class LatticeEdges {
  public:
   explicit LatticeEdges(const Lattice& lattice);
 
-  /// Whether any of them differs between two states by more than this part of the shortest along its axis at rest [1], or is no number.
+  /// True if an edge differs between x and x0 by more than `part` of the shortest length at rest along its axis [1], or is not a number.
   bool changed(const Points& x, const Points& x0, double part) const;
   /// Calls visit(p, q) for every pair of neighbours.
   template <class Visit>
@@ -23,8 +23,8 @@ class LatticeEdges {
  private:
   struct Axis {
     int offset;
-    double length;  ///< at rest, the shortest [m]
-    Scalars exist;  ///< (lanes) 1 or 0, lane p from point p to p + offset
+    double length;  ///< shortest edge at rest [m]
+    Scalars exist;  ///< (lanes) 1 if there is an edge from point p to p + offset in lane p, else 0
   };
   std::array<Axis, 3> axes_;
 };

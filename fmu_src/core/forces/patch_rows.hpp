@@ -1,6 +1,6 @@
-/// A patch of 4 x 4 x 4 nodes in registers: rows of four numbers along x, sixteen of them, (j, k) being number j + 4 k. Lanes mix by
-/// broadcasts alone, and sums have one order: the bits are the same for any width of register. Included by the files of vectorised loops
-/// alone.
+/// A patch of 4 x 4 x 4 nodes in registers, as sixteen rows of four numbers along x; row (j, k) has number j + 4 k. Lanes are combined by
+/// broadcasts alone, and every sum has one fixed order, so that the bits of the result are the same for any register width. Only files
+/// with vectorised loops include this file.
 #pragma once
 #include "forces/solid_kernels.hpp"
 #include "machine/lanes.hpp"
@@ -8,7 +8,7 @@
 
 namespace softffd::kernels::patch {
 
-/// Four numbers in registers of n.
+/// Four numbers, in registers of n numbers each.
 template <int n>
 struct Four {
   Lanes<n> part[4 / n];
@@ -20,7 +20,7 @@ INNER Four<n> each_part(F&& f) {
   for (int i = 0; i < 4 / n; ++i) result.part[i] = f(i);
   return result;
 }
-/// Register by register: compilers copy structures in pieces, of which processors make no whole register without a stall.
+/// Copies register by register. Compilers copy structures in pieces, from which processors cannot load a whole register without a stall.
 template <int n>
 INNER void copy(const Four<n>& from, Four<n>& to) {
   for (int i = 0; i < 4 / n; ++i) to.part[i] = from.part[i];
@@ -69,7 +69,7 @@ template <int n>
 INNER Four<n> larger(const Four<n>& a, const Four<n>& b) {
   return each_part<n>([&](int i) INLINED { return a.part[i] > b.part[i] ? a.part[i] : b.part[i]; });
 }
-/// a, or the nearest number that is not larger than `most` in size.
+/// Returns a, limited to the range from -most to most.
 template <int n>
 INNER Four<n> within(const Four<n>& a, const Four<n>& most) {
   return each_part<n>([&](int i) INLINED {
@@ -81,7 +81,7 @@ template <int n>
 INNER Four<n> root(const Four<n>& a) {
   return each_part<n>([&](int i) INLINED { return square_root<n>(a.part[i]); });
 }
-/// Of what is in memory a broadcast of it takes no shuffle.
+/// Returns number i of a from memory: a broadcast of a number in memory takes no shuffle.
 template <int n>
 INNER double number(const Four<n>& a, int i) {
   double found;
@@ -111,7 +111,7 @@ constexpr int rows = 16;
 template <int n>
 using Rows = Four<n>[rows];
 
-/// The derivative along a line of four nodes, v = D u / a, by what is even and what is odd about its middle:
+/// Computes the derivative along a line of four nodes, v = D u / a, from the even and the odd part of u about the middle of the line:
 ///
 ///      (v0 + v3) / 2 = -3.5 (u0 - u3) + 2.5 r (u1 - u2),     (v0 - v3) / 2 = 2.5 w,      w = (u1 + u2) - (u0 + u3),
 ///      (v1 + v2) / 2 = -0.5 (u0 - u3) - 0.5 r (u1 - u2),     (v1 - v2) / 2 = 0.5 r w,    r = sqrt 5.
@@ -127,7 +127,7 @@ INNER void derive_line(const LineShape& by, const Four<n>& u0, const Four<n>& u1
   v[3 * step] = ends - at_end;
 }
 
-/// += the transposed of it: f = D' p / a.
+/// Adds the transposed derivative: f += D' p / a.
 template <int n>
 INNER void add_transposed_line(const LineShape& by, const Four<n>* p, Four<n>* f, int step) {
   const Four<n> ends = p[0] + p[3 * step], middles = p[step] + p[2 * step];
@@ -139,7 +139,7 @@ INNER void add_transposed_line(const LineShape& by, const Four<n>* p, Four<n>* f
   f[3 * step] = f[3 * step] - (w - outer);
 }
 
-/// Derivatives of a field along the three axes; F[0] along x.
+/// Computes the derivatives of a field along the three axes; F[0] is the derivative along x.
 template <int n>
 INNER void derive(const SolidBody& body, const double* from, Rows<n>* F) {
   const PatchShape& shape = body.shape;
@@ -155,7 +155,7 @@ INNER void derive(const SolidBody& body, const double* from, Rows<n>* F) {
   for (int j = 0; j < 4; ++j) derive_line<n>(shape.z, u[j], u[j + 4], u[j + 8], u[j + 12], F[2] + j, 4);
 }
 
-/// to -= the transposed derivatives of what stands at the nodes.
+/// to -= the transposed derivatives of the nodal values P, summed over the three axes.
 template <int n>
 INNER void subtract_divergence(const SolidBody& body, const Rows<n>* P, double* to) {
   const PatchShape& shape = body.shape;
@@ -174,12 +174,12 @@ INNER void subtract_divergence(const SolidBody& body, const Rows<n>* P, double* 
   }
 }
 
-/// t = Pi q: the orthogonal projection in the sum over the weights onto the products of linear functions of the axes. Moments of z and y
-/// first, one sum along x, and back.
+/// t = Pi q: the orthogonal projection onto products of linear functions of the axes, in the inner product of the quadrature. Moments
+/// along z and y are taken first, then one sum along x, and back.
 template <int n>
 INNER void project(const PatchShape& shape, const Rows<n>& q, Rows<n>& t) {
   constexpr double mean[2] = {lobatto::weights[0], lobatto::weights[1]};
-  constexpr double inner = 1 / lobatto::root5, square = 1.0 / 3;  // of the nodes on [-1, 1]: the place of the second, the sum of w x^2
+  constexpr double inner = 1 / lobatto::root5, square = 1.0 / 3;  // nodes on [-1, 1]: place of the inner ones; sum of w x^2
   constexpr double slope[2] = {mean[0] / square, mean[1] * inner / square};
   constexpr double at[4] = {-1, -inner, inner, 1};
   Four<n> column[4], a[2][4];
@@ -198,7 +198,7 @@ INNER void project(const PatchShape& shape, const Rows<n>& q, Rows<n>& t) {
     for (int j = 0; j < 4; ++j) t[j + 4 * k] = a[0][j] + at[k] * a[1][j];
 }
 
-/// A 3 x 3 matrix of each node of a row: component c along axis a is entry 3 c + a.
+/// One 3 x 3 matrix for each node of a row; component c along axis a is entry 3 c + a.
 template <int n>
 struct Nine {
   Four<n> m[9];
@@ -210,7 +210,7 @@ INNER Nine<n> row_of(const Rows<n>* F, int r) {
   for (int i = 0; i < 9; ++i) copy(F[i][r], f.m[i]);
   return f;
 }
-/// Cofactors: their sum of products with F is three times the determinant.
+/// Returns the cofactors of F. The sum of their products with the entries of F is three times the determinant.
 template <int n>
 INNER Nine<n> cofactors(const Nine<n>& f) {
   const Four<n>* m = f.m;
@@ -218,7 +218,7 @@ INNER Nine<n> cofactors(const Nine<n>& f) {
            m[7] * m[2] - m[8] * m[1], m[8] * m[0] - m[6] * m[2], m[6] * m[1] - m[7] * m[0],  //
            m[1] * m[5] - m[2] * m[4], m[2] * m[3] - m[0] * m[5], m[0] * m[4] - m[1] * m[3]}};
 }
-/// What the cofactors change by where F does by g.
+/// Returns the derivative of the cofactors of f in the direction g.
 template <int n>
 INNER Nine<n> cofactors(const Nine<n>& f, const Nine<n>& g) {
   const Four<n>*m = f.m, *d = g.m;
@@ -242,9 +242,10 @@ INNER Four<n> determinant(const Nine<n>& f) {
 INNER double larger(double a, double b) { return a > b ? a : b; }
 INNER double root(double a) { return std::sqrt(a); }
 
-/// The largest eigenvalue of a symmetric 3 x 3 matrix by its trace, the sum of its principal minors and its determinant, or a little more:
-/// from the bound by the first two, which is exact where the two smaller ones agree, Newton's method comes down to it. Where eigenvalues
-/// agree, as those of a body that turns, the slope is lost in rounding: a larger one comes down less.
+/// Returns the largest eigenvalue of a symmetric 3 x 3 matrix, or a little more, from its trace, the sum of its principal minors and its
+/// determinant. Newton's method descends to the eigenvalue from the bound by the first two invariants, which is exact where the two
+/// smaller eigenvalues agree. Where eigenvalues agree, as for a body that only turns, the slope is lost in rounding: it is replaced by a
+/// larger one, with which the value descends less.
 template <class Number>
 INNER Number top(const Number& trace, const Number& minors, const Number& determinant) {
   const Number least = larger(1e-8 * (trace * trace - 2.0 * minors), 1e-300);
@@ -256,7 +257,7 @@ INNER Number top(const Number& trace, const Number& minors, const Number& determ
   return value;
 }
 
-/// The square of a matrix's largest singular value.
+/// Returns the square of a matrix's largest singular value.
 INNER double norm(const double (&m)[9]) {
   double s[3][3];
   for (int a = 0; a < 3; ++a)
@@ -267,7 +268,7 @@ INNER double norm(const double (&m)[9]) {
   return top(s[0][0] + s[1][1] + s[2][2], xy + xz + yz, all * all);
 }
 
-/// Of F the same at the nodes of a row, by its cofactors and its determinant.
+/// Returns the same for F at the nodes of a row, from its cofactors c and its determinant `volume`.
 template <int n>
 INNER Four<n> longest_square(const Nine<n>& f, const Nine<n>& c, const Four<n>& volume) {
   return top(dot(f, f), dot(c, c), volume * volume);

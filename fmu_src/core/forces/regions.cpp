@@ -10,7 +10,7 @@ std::vector<bool> mask(const std::vector<int>& points, int count) {
   return selected;
 }
 
-/// The cells whose eight corners are selected.
+/// Returns the cells whose eight corners are all selected.
 std::vector<int> whole_cells(const Lattice& lattice, const std::vector<bool>& selected) {
   std::vector<int> found;
   int cell = 0;

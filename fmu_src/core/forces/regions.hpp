@@ -1,4 +1,4 @@
-/// Where a material is another than in the rest of the body: what regions of control points override, of springs and of cells.
+/// Regions of control points whose material differs from the rest of the body: their overrides for springs and for cells.
 #pragma once
 #include <optional>
 #include <vector>
@@ -7,23 +7,23 @@
 
 namespace softffd {
 
-/// Overrides of a [[region]]; absent ones leave what is there.
+/// Overrides of a [[region]]; an absent value leaves the material as it is.
 struct Region {
   std::vector<int> points;
   std::optional<double> stiffness{};         ///< of springs with both ends among the points, >= 0 [N/m]
-  std::optional<double> damping{};           ///< of the points, >= 0 [N s/m]
+  std::optional<double> damping{};           ///< nodal viscous drag of the points, >= 0 [N s/m]
   std::optional<double> modulus{};           ///< of the cells with all corners among the points, > 0 [Pa]
-  std::optional<double> internal_damping{};  ///< of the springs, or, of a modulus, of the cells, >= 0 [s]
+  std::optional<double> internal_damping{};  ///< of these springs, or of these cells if the springs follow from a modulus, >= 0 [s]
 };
 
-/// Sets springs by the values of the whole body and of its regions, of which later ones win. Asks for no memory once it is made.
+/// Sets springs from the values of the whole body and of its regions; later regions win. Allocates no memory after construction.
 class Regions {
  public:
   Regions(const Lattice& lattice, const std::vector<Region>& regions);
 
-  /// Springs of a stiffness; time: of their dashpots [s].
+  /// Sets springs of a given stiffness; time: ratio of a dashpot to its stiffness [s].
   void set_stiffness(const Stiffness& stiffness, double time, Springs& springs) const;
-  /// Springs of a modulus [Pa].
+  /// Sets springs that follow from a modulus [Pa]; time: the same ratio [s].
   void set_modulus(double modulus, double time, Springs& springs);
 
  private:

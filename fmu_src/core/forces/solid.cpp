@@ -13,7 +13,7 @@ namespace softffd {
 
 namespace {
 
-/// Of a line of four nodes of length 1: the largest eigenvalue of the squared derivative, 42 + sqrt 1044, and of the mean one.
+/// Largest eigenvalues for a line of four nodes of length 1: of the squared derivative, 42 + sqrt 1044, and of its projection squared.
 constexpr double steepest = 74.310988842807021, divergent = 60;
 
 kernels::PatchShape shape_of(const std::array<double, 3>& sides) {
@@ -33,7 +33,7 @@ kernels::PatchShape shape_of(const std::array<double, 3>& sides) {
   return shape;
 }
 
-/// l_i'(u) of the nodes' polynomials.
+/// Returns the derivative l_i'(u) of the polynomial of node i.
 double slope_of(int i, double u) {
   double sum = 0;
   for (int j = 0; j < lobatto::nodes; ++j) {
@@ -154,7 +154,7 @@ int Solid::first_node(int patch) const {
   return 3 * lattice_.index(patch % n[0], patch / n[0] % n[1], patch / n[0] / n[1]);
 }
 
-/// Of its nodes that move, the least mass by volume [kg/m3].
+/// Returns the smallest ratio of mass to volume among the moving nodes of a patch [kg/m3].
 double Solid::density(int patch, const Scalars& mass, const std::vector<bool>& pinned) const {
   double least = infinity;
   for (int k = 0; k < 4; ++k)
@@ -178,7 +178,7 @@ double Solid::squared_frequency(const kernels::PatchBounds& bounds) const {
   return gradient_ * bounds.curvature + body_.lambda * (volume * volume);
 }
 
-/// At rest, which tells time scales.
+/// Adds the bounds at rest, from which time scales follow.
 void Solid::add_any_bounds(const Scalars& mass, const std::vector<bool>& pinned, AnyBounds& bounds) const {
   const double squared = largest(rest_, mass, pinned, [&](const auto& patch) { return squared_frequency(patch); });
   for (Scalars* each : {&bounds.weighted, &bounds.plain}) *each += squared * mass;
@@ -224,7 +224,7 @@ void Solid::add_force(const Points& x, Points& f) const {
   kernels::subtract_elastic(body_, x.data(), f.data(), time_ > 0 ? kept_.data() : nullptr);
 }
 
-/// A step asks for several at one place.
+/// Uses the gradients kept for x if there are any: a step asks for several dashpot forces at the same positions.
 void Solid::add_dashpot_force(const Points& x, const Points& v, Points& f, double drift) const {
   if (!(time_ > 0)) return;
   if (std::memcmp(kept_at_.data(), x.data(), x.size() * sizeof(double)) != 0) keep_gradients(x);

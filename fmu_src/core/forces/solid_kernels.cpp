@@ -7,7 +7,7 @@ namespace softffd::kernels {
 namespace patch {
 namespace {
 
-/// Calls patch(offset of its first node) for all, x fastest.
+/// Calls patch(offset of its first node) for all patches, x fastest.
 template <class Patch>
 INNER void each_patch(const SolidBody& body, Patch&& patch) {
   for (int k = 0; k < body.patches[2]; ++k)
@@ -20,7 +20,7 @@ INNER void gradients(const SolidBody& body, const double* field, Rows<n>* F) {
   for (int c = 0; c < 3; ++c) derive<n>(body, field + c * body.points, F + 3 * c);
 }
 
-/// J - 1 at the nodes, and its projection.
+/// q = J - 1 at the nodes, and its projection t = Pi q.
 template <int n>
 INNER void volumes(const SolidBody& body, const Rows<n>* F, Rows<n>& q, Rows<n>& t) {
   for (int r = 0; r < rows; ++r) q[r] = determinant(row_of<n>(F, r)) - 1.0;
@@ -29,7 +29,7 @@ INNER void volumes(const SolidBody& body, const Rows<n>* F, Rows<n>& q, Rows<n>&
 
 template <int n>
 struct Pressure {
-  Four<n> missing;  ///< J0 - J, or 0
+  Four<n> missing;  ///< J0 - J, or 0 if that is negative
   Four<n> p;        ///< derivative of the energy's density by J, at a node [Pa]
 };
 template <int n>
@@ -38,7 +38,7 @@ INNER Pressure<n> pressure(const SolidBody& body, const Four<n>& q, const Four<n
   return {missing, body.mu * (q - 1.0) + body.lambda * t - (body.lambda / least_volume) * (missing * missing)};
 }
 
-/// Twice the rate of Green's strain: xx yy zz doubled, xy xz yz; and the rate of its trace.
+/// Twice the rate of Green's strain, as xx yy zz xy xz yz, and the rate of the strain's trace.
 template <int n>
 struct StrainRate {
   Four<n> s[6];
@@ -56,7 +56,7 @@ INNER StrainRate<n> strain_rate(const Nine<n>& f, const Nine<n>& g, double drift
   return rate;
 }
 
-/// Hands use(entry, row, what stands there) F S, S = time (2 mu dE/dt + lambda Pi (tr dE/dt) 1); spoils G.
+/// Calls use(entry, row, value) for all entries of F S, with S = time (2 mu dE/dt + lambda Pi (tr dE/dt) 1); overwrites G.
 template <int n, class Use>
 INNER void viscous_stress(const SolidBody& body, double time, double drift, const Rows<n>* F, Rows<n>* G, Use&& use) {
   Rows<n> trace, t;
@@ -160,7 +160,7 @@ INNER void tangent(const SolidBody& body, double softening, double per_time, con
   });
 }
 
-/// Of a node of the quadrature: where its lines of nodes along the axes are, and their derivatives there.
+/// For one node of the quadrature: the nodes on its lines along the three axes, and the derivatives along these lines at the node.
 struct Lines {
   int node[3][4];
   double slope[3][4];
@@ -172,8 +172,9 @@ struct Lines {
   }
 };
 
-/// For each product of linear functions that the projection is onto, of unit mean square, a vector of the patch's unknowns: the root of the
-/// factor times the sum of w times the product times M : gradient. The matrix of factor (Pi M : gradient)^2 is the sum of their squares.
+/// Computes a vector of the patch's unknowns for each product of linear functions onto which Pi projects, the product having unit mean
+/// square: sqrt(factor / volume) times the sum of w times the product times M : gradient. The matrix of factor (Pi M : gradient)^2 is the
+/// sum of the squares v v' of these vectors.
 constexpr int products = 8;
 template <int n>
 INNER void find_projected(const SolidBody& alone, double factor, const Rows<n>* M, double (*v)[3][64]) {
@@ -194,7 +195,7 @@ INNER void find_projected(const SolidBody& alone, double factor, const Rows<n>* 
   }
 }
 
-/// = the sum of v v' over these vectors, and what stands at p < q has no meaning.
+/// into = the sum of v v' over these vectors; entries with p < q have no meaning.
 template <int wide>
 INNER void sum_squares(int count, const double (*v)[3][64], PatchMatrix& into) {
   constexpr int together = 4;
@@ -211,7 +212,8 @@ INNER void sum_squares(int count, const double (*v)[3][64], PatchMatrix& into) {
         }
 }
 
-/// What the nodes of a row of the quadrature give on their own, in 3 x 3 blocks by the axes a, b of two derivatives.
+/// Computes the contributions of a row of quadrature nodes apart from the projected terms, as 3 x 3 blocks by the axes a, b of two
+/// derivatives.
 template <int n>
 INNER void blocks_of_row(const SolidBody& body, double viscous, const Four<n>& w, const Nine<n>& f, const Nine<n>& c, const Four<n>& k,
                          const Four<n>& s, double (*block)[9][4]) {
@@ -319,7 +321,7 @@ INNER double power(const SolidBody& body, const double* x, const double* v) {
   return total;
 }
 
-/// The mean over the quadrature, and the largest squared distance from it at a node.
+/// Computes the mean of M over the quadrature; returns the largest squared distance of a node's M from this mean.
 template <int n>
 INNER double spread(const SolidBody& body, const Rows<n>* M, double (&mean)[9]) {
   double volume = 0;

@@ -1,5 +1,5 @@
-/// The directions of which any spring has an end at points that follow one another: a bit each, for two, four and eight points, so that
-/// loops with registers of any size ask once.
+/// For two, four and eight consecutive points: the directions in which any spring has an end at these points, one bit each. Loops with
+/// registers of any of these sizes therefore need a single look-up.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -19,7 +19,7 @@ class SpringEnds {
   void add(int point, unsigned direction) {
     for (std::size_t i = 0; i < of_.size(); ++i) of_[i][point / sizes[i]] |= direction;
   }
-  /// Of the n points from p on, a multiple of n.
+  /// Returns the directions for the n points from p on; p is a multiple of n.
   template <int n>
   unsigned at(int p) const {
     static_assert(n == 2 || n == 4 || n == 8);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int nobody = -1;
 
-/// By the bits, FNV-1a with eight bytes at a time; the high half is the better mixed one.
+/// Returns the FNV-1a hash of the bits, eight bytes at a time; the high half, because it is better mixed.
 std::size_t hash(const SpringKinds::Kind& kind) {
   std::uint64_t value = 14695981039346656037u;
   for (const SpringKinds::Material& material : kind)

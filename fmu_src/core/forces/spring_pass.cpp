@@ -14,13 +14,13 @@ constexpr std::size_t ways = directions.size();
 
 constexpr std::ptrdiff_t whole_blocks(std::ptrdiff_t n) { return (n + lanes - 1) / lanes * lanes; }
 
-/// From one ring to the next [numbers], known when it is compiled: that spares the addresses their arithmetic. An odd number of cache
-/// lines.
+/// Returns the distance from one ring to the next [numbers], an odd number of cache lines. It is known at compile time, which saves
+/// address arithmetic.
 constexpr std::ptrdiff_t stride(bool wraps) { return wraps ? whole_blocks(farthest_neighbour) + 4 * lanes : 21 * lanes; }
 
-/// Points of a part, at least. Two threads take 0.75 of the time of one for 512 points, 0.6 for 1000, 0.55 for 4096.
+/// Smallest number of points of a part. Two threads take 0.75 of the time of one for 512 points, 0.6 for 1000, 0.55 for 4096.
 constexpr int least_part = 512;
-/// Of a block of which only the springs are gone through, in that of one that is summed up too.
+/// Time for a block of which only the springs are computed, relative to a block that is summed up too [1].
 constexpr double lead_cost = 0.6;
 
 }  // namespace
@@ -33,14 +33,14 @@ INNER void each_way(F&& f) {
   [&]<std::size_t... d>(std::index_sequence<d...>) INLINED { (f(d), ...); }(std::make_index_sequence<ways>{});
 }
 
-/// What is before the first point gives nothing.
+/// Sets the part of the rings before the first point to 0, because no spring begins there.
 template <int n>
 INNER void clear(const SpringPass& pass, double* rings) {
   for (std::size_t row = 0; row < 3 * ways; ++row, rings += stride(true))
     for (std::ptrdiff_t i = 0; i < pass.before; i += n) store<n>(rings + i, Lanes<n>{});
 }
 
-/// The tail of x goes where there is room behind it. The last numbers are copied first, with some before them: whole registers do.
+/// Copies the tail of x to a place with room behind it. The last n numbers are copied first, so that whole registers suffice for all.
 template <int n>
 INNER void copy_tail(const SpringPass& pass, const double* x, double* end) {
   const std::ptrdiff_t size = pass.points - pass.tail;
@@ -51,7 +51,7 @@ INNER void copy_tail(const SpringPass& pass, const double* x, double* end) {
   }
 }
 
-/// Of springs: k (1 - l/r) for each length of d.
+/// Law of the springs: `pull` returns k (1 - l/r), the force per length of d.
 struct Stretch {
   static constexpr int arrays = 1;
   const SpringKinds& kinds;
@@ -63,7 +63,7 @@ struct Stretch {
   }
 };
 
-/// Of dashpots: c times the mean rate of the length over the drift, for each length; and for each length of d.
+/// Law of the dashpots: `pull` returns the force per length of d, c times the mean rate of the length over the drift, by the length.
 template <bool drifts>
 struct Rate {
   static constexpr int arrays = 2;
@@ -81,15 +81,15 @@ struct Rate {
   }
 };
 
-/// Ways from points to their neighbours. Where an address comes from is hidden from the compiler, which else works out those of all
-/// directions and coordinates before a loop over registers of points, more than the processor keeps at hand.
+/// Returns the vectors from points to their neighbours. The origin of the address is hidden from the compiler, which would else compute
+/// the addresses of all directions and coordinates before a loop over registers of points, more than the processor keeps at hand.
 template <int n>
 INNER Triple<n> way(const double* to, std::ptrdiff_t column, const Triple<n>& from) {
   __asm__("" : "+r"(to));
   return {load<n>(to) - from.x, load<n>(to + column) - from.y, load<n>(to + 2 * column) - from.z};
 }
 
-/// What the springs of n points give these by the law goes to the rings. x: the law's arrays at these points.
+/// Writes the forces on n points by the springs that begin there to the rings. x: the arrays of the law at these points.
 template <int n, bool wraps, class Law>
 INNER void give(const Law& law, const SpringPass::Offsets& offsets, const SpringKinds::Material* material, unsigned springs, int lane,
                 const std::array<const double*, Law::arrays>& x, std::ptrdiff_t column, double* ring) {
@@ -109,8 +109,8 @@ INNER void give(const Law& law, const SpringPass::Offsets& offsets, const Spring
   });
 }
 
-/// Where the springs stand in the rings that end at the points from `slot` on. Of a block in one piece: its first block is behind a ring's
-/// end once more.
+/// Returns the places in the rings of the springs that end at the points from `slot` on. The places of a block are in one piece, because
+/// a copy of a ring's first block stands behind its end.
 template <bool wraps>
 INNER SpringPass::Offsets ending(const SpringPass::Offsets& offsets, std::ptrdiff_t length, std::ptrdiff_t slot) {
   SpringPass::Offsets places;
@@ -121,8 +121,8 @@ INNER SpringPass::Offsets ending(const SpringPass::Offsets& offsets, std::ptrdif
   return places;
 }
 
-/// The forces on n points of the block at `slot` in the rings, added to f: what their springs give them less what they give the springs
-/// that end there.
+/// Returns f plus the forces on n points of the block at `slot` in the rings: the forces by springs that begin at the points, less those
+/// of springs that end there.
 template <int n, bool wraps>
 INNER Triple<n> take(const SpringPass::Offsets& ends, unsigned first, unsigned second, const double* rings, std::ptrdiff_t slot, int lane,
                      const Triple<n>& f) {
@@ -142,15 +142,15 @@ INNER Triple<n> take(const SpringPass::Offsets& ends, unsigned first, unsigned s
   return {fx, fy, fz};
 }
 
-/// The first block of a ring once more behind its end.
+/// Copies the first block of each ring behind the ring's end.
 template <int n>
 INNER void copy_first(double* rings, std::ptrdiff_t length) {
   for (std::size_t row = 0; row < 3 * ways; ++row, rings += stride(true))
     for (int lane = 0; lane < lanes; lane += n) store<n>(rings + length + lane, load<n>(rings + lane));
 }
 
-/// Hands the forces of a part, added to what use.begin says, to use.at, n points at a time, from the first to the last; the lattice's last
-/// block may have lanes behind the last point.
+/// Passes the forces of a part, added to the values of use.begin, to use.at, n points at a time, from the first to the last. The last
+/// block of the lattice may have lanes behind the last point.
 template <int n, bool wraps, class Law, class Use>
 INNER void sweep(const SpringPass& pass, SpringPass::Part& part, const Law& law, const Use& use) {
   const SpringPass::Offsets offsets = pass.offsets;
@@ -189,7 +189,7 @@ INNER void sweep(const SpringPass& pass, SpringPass::Part& part, const Law& law,
   use_block(part.end - 1, before);
 }
 
-/// Forces that are kept.
+/// Stores the forces in f.
 struct Keep {
   int points;
   double* f;
@@ -205,7 +205,7 @@ struct Keep {
   }
 };
 
-/// Forces that are added to others.
+/// Adds the forces to those in f.
 struct Add : Keep {
   template <int n>
   INLINED Triple<n> begin(int p) const {
@@ -216,8 +216,8 @@ struct Add : Keep {
   }
 };
 
-/// Forces that move the points, from velocities `before` to v. keeps: of some blocks what lies between two kicks is stored. large: what is
-/// the same for all points is read at the first ones; where little is read the question costs more.
+/// Moves the points by the forces, from velocities `before` to v. keeps: for some blocks the state between two kicks is stored. large:
+/// values that are the same for all points are read at the first ones only; where little is read, the test costs more.
 template <int kicks, bool keeps, bool large>
 struct Move {
   int points;
@@ -250,7 +250,7 @@ struct Move {
     };
     move(0, force.x), move(points, force.y), move(2 * points, force.z);
   }
-  /// Where lanes are behind the last point.
+  /// The same where some lanes are behind the last point.
   template <int n>
   INLINED void at_the_end(int p, const Triple<n>& force) const {
     const Lanes<n> all[3] = {force.x, force.y, force.z};
@@ -323,7 +323,7 @@ SpringPass::SpringPass(const Lattice& lattice, std::shared_ptr<Team> team)
   divide(int(blocks));
 }
 
-/// Each part takes as long: all but the first have blocks before them to go through.
+/// Divides the blocks so that each part takes equally long: all parts but the first also compute springs of blocks before them.
 void SpringPass::divide(int blocks) {
   const int members = team ? std::min(team->members(), blocks) : 1, reach = int(before / lanes);
   const double more = lead_cost * std::min(reach, blocks / members), each = std::max(1.0, (blocks - more) / members);

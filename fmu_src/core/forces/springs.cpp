@@ -9,7 +9,8 @@ namespace {
 
 bool on_boundary(int i, int n) { return i == 0 || i == n - 1; }
 
-/// An edge segment on one of the twelve edges of the box belongs to two faces: making springs face by face makes it twice.
+/// Returns how often a spring exists. An edge segment on one of the twelve edges of the box belongs to two faces: making springs face by
+/// face makes it twice.
 double multiplicity(const Lattice& lattice, Topology topology, const Direction& d, int i, int j, int k) {
   if (!d.within(lattice, i, j, k)) return 0;
   if (topology == Topology::distinct || d.kind() != SpringKind::edge) return 1;
@@ -32,12 +33,12 @@ Springs::Row make_row(const Lattice& lattice, Topology topology, const Direction
   Springs::Row row{direction, begin, offset, all.segment(begin, lanes), Scalars::Zero(lanes), Scalars(lanes), {}};
   for (int p = 0; p < lanes; ++p) {
     const Vec3 d = softffd::row(rest, begin + p + offset) - softffd::row(rest, begin + p);
-    row.rest_length[p] = std::sqrt(d.x() * d.x() + d.y() * d.y() + d.z() * d.z());  // the kernel's own expression: no force at rest
+    row.rest_length[p] = std::sqrt(d.x() * d.x() + d.y() * d.y() + d.z() * d.z());  // as the kernel computes it: no force at rest
   }
   return row;
 }
 
-/// What a cell of modulus 1 gives to one spring of this direction [m].
+/// Returns the contribution of a cell of modulus 1 to one spring of this direction [m].
 double share_of_cell(const Lattice& lattice, const Direction& direction) {
   const Vec3 side = lattice.cell();
   const double volume = side.prod();
@@ -48,7 +49,7 @@ double share_of_cell(const Lattice& lattice, const Direction& direction) {
   return direction.kind() == SpringKind::face ? 0.2 * volume * along / 2 : 0;
 }
 
-/// The springs of one direction that a cell has: where they begin, as steps from the cell's lower corner.
+/// The springs of one direction in a cell: where they begin, as index offsets from the cell's lower corner.
 struct OfCell {
   std::array<int, 4> begins;
   int count = 0;

@@ -16,7 +16,7 @@ ContactEvent event_of(const StepContext& context, const Slip& slip, double press
   const double along = std::max(ahead.along_plane, h);
   ContactEvent event{0, slip.load > 0 ? 2 * slip.stopped / slip.load * along : 0};
   if (!context.drive.ramped) return event;
-  Vec3 rate = Vec3::Zero();  // of the outside forces [N/s]
+  Vec3 rate = Vec3::Zero();  // time derivative of the total outside force [N/s]
   for (int axis = 0; axis < 3; ++axis)
     for (int p = 0; p < motion.x.rows(); ++p) {
       const Eigen::Index i = p + axis * motion.x.rows();
@@ -45,7 +45,7 @@ ContactEvent event_of(const StepContext& context, const Slip& slip, double press
   const auto speed = [&](const RigidMotion& rigid) {
     return (rigid.velocity - obstacle.material_velocity(rigid.centre)).norm() + radius * (rigid.spin - obstacle.spin).norm();
   };
-  if (speed(begin) * along <= slight && speed(end) * along > slight) consider(rate.norm(), 0, speed(end), along);  // set in motion
+  if (speed(begin) * along <= slight && speed(end) * along > slight) consider(rate.norm(), 0, speed(end), along);  // begins to move
   return event;
 }
 

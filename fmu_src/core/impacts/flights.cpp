@@ -13,17 +13,17 @@ namespace softffd {
 
 namespace thresholds {
 
-// Steps are the largest stable explicit ones; what these rest on stands in kit/thresholds.hpp.
+// Steps are the largest stable explicit ones; kit/thresholds.hpp says what the values rest on.
 
-/// Steps that a flight takes at least: entering one costs as much.
+/// Shortest flight in steps: if a touch is possible sooner, the body does not fly, because entering a flight costs as much.
 constexpr double shortest_flight = 4;
-/// Steps below which a further advance towards a touch is not worth it.
+/// An advance towards a possible touch that is shorter than this [steps] is the last one: further advances do not pay.
 constexpr double shortest_advance = 0.25;
-/// Work of taking a motion apart into modes, and of a flight.
+/// Work of decomposing a motion into modes, and work of a flight, in evaluations of the spring forces.
 constexpr double entry_work = 15, flight_work = 30;
-/// Share of the vibrations' energy by which that of the modes may miss the body's own: beyond, the body is far from its rest shape [1].
+/// If the energy of the modes misses the body's own by more than this fraction, the body is far from its rest shape and does not fly [1].
 constexpr double modal_mismatch = 0.01;
-/// Share that the next rebound may feel of what two runs' vibrations differ by [1].
+/// Fraction of the difference between the vibrations of two runs that the next rebound may feel [1].
 constexpr double echo_share = 0.3;
 
 }  // namespace thresholds
@@ -40,7 +40,7 @@ bool Flights::rings_about_rest(const StepContext& context) {
   context.run.control.work += use::entry_work;
   flight_.enter(context.equations(), motion.time, motion);
   const double left = left_of_run(context), drift = std::min(left, flight_.memory()) * flight_.neglected_rate();
-  const double slight = use::window_share * context.request.tolerance / (use::rebound_share * left);  // speed that no rebound need have
+  const double slight = use::window_share * context.request.tolerance / (use::rebound_share * left);  // speed that matters to no rebound
   const double missed = std::max(context.model.noise, 0.5 * flight_.modes().mass * slight * slight);
   const double left_out = std::max(drift, flight_.neglected_way(context.equations(), std::min(left, context.model.longest_lasting())));
   return left_out <= use::window_share * context.request.tolerance &&
@@ -75,7 +75,7 @@ StepStatus Flights::fly(const Beside& at, bool rings) {
     physical.clock = {begun, free, 0};
     ++physical.steps;
     if (context.drive.watch) book_energies(context, before_.motion, before_.motion.x, before_.exchange);
-    // What is left out of the modes may have brought a point behind an obstacle, and uneven drag has deformed the body since.
+    // Undo the flight if what the modes leave out moved a point behind an obstacle, or if uneven drag deformed the body too far.
     if (!off_obstacles(context, touching) || (flight_.modes().damped_unevenly && !rings_about_rest(context))) {
       physical = before_;
       touches = true;

@@ -1,4 +1,4 @@
-/// Flights of a stiff body beside obstacles (flight/modal_flight.hpp), and what its vibrations will do at the next impact.
+/// Flights of a stiff body beside obstacles (flight/modal_flight.hpp), and the effect of its vibrations on the next impact.
 #pragma once
 #include "flight/modal_flight.hpp"
 #include "impacts/beside.hpp"
@@ -9,18 +9,18 @@ class Flights {
  public:
   Flights(const Lattice& lattice, const Run& run) : flight_(lattice), before_(run.physical) {}
 
-  /// Can the body's motion be carried by its modes now? They are made where the material is new.
+  /// True if the modes can carry the present motion of the body. Computes the modes if the material has changed.
   bool rings_about_rest(const StepContext& context);
-  /// A flight until something could be touched, where an impact begins, or the end; a contact begins at once where there can be none.
-  /// rings: the motion has just been taken apart by `rings_about_rest`.
+  /// Flies until something could be touched, which begins an impact, or until the end of the communication step. If no flight is possible,
+  /// the phase `contact` begins at once. rings: `rings_about_rest` has just decomposed the motion and returned true.
   StepStatus fly(const Beside& at, bool rings);
-  /// Whether nothing can be touched for `least` [s], or until then.
+  /// True if the modes can carry the motion and nothing can be touched for `least` [s], or until the time `until` [s].
   bool can_fly(const Beside& at, double least, double until);
-  /// What the vibrations of two states of this moment differ by.
+  /// Difference between the vibrations of two states at the present time.
   struct PhaseError {
-    double apart = 0;      ///< places [m]
-    double at_impact = 0;  ///< what the next impact will make of it [m]
-    double gain = 0;       ///< how many times a difference of positions grows there, by the phase that the vibrations will have
+    double apart = 0;      ///< difference of positions [m]
+    double at_impact = 0;  ///< final error that the next impact makes of the difference [m]
+    double gain = 0;       ///< factor by which the impact amplifies a position error, through the phase of the vibrations [1]
   };
   PhaseError phase_error(const Beside& at, const State& other, const Outlook& ahead);
   bool has_modes(const Body& body) { return flight_.possible(body); }

@@ -11,8 +11,8 @@ namespace softffd {
 
 namespace use = thresholds;
 
-/// Out of work, or as asked: what is left of the communication step is an implicit step, whatever that damps. What it takes of the energy
-/// is missing in every velocity afterwards.
+/// Takes the rest of the communication step by backward Euler, whatever that damps, if the budget is spent or the method was asked for.
+/// The energy that is lost is missing from every later velocity; the resulting final error is added.
 StepStatus Impacts::pass_over(const Beside& at) {
   const StepContext& context = at.context;
   StiffContact& stiff = context.run.physical.stiff;

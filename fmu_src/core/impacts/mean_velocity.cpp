@@ -10,17 +10,17 @@ namespace softffd {
 
 namespace {
 
-/// Sine of the angle between two obstacles that hold a body in one direction only [1].
+/// If the sine of the angle between two obstacles is below this value, they hold the body in one direction only [1].
 constexpr double same_plane = 1e-6;
 
-/// The rotation vector of a turn of some tenths of a radian at most, to 1e-6 of it.
+/// Returns the rotation vector of a rotation by at most some tenths of a radian, with a relative error of 1e-6.
 Vec3 small_turn(const Eigen::Matrix3d& rotation) {
   const Vec3 sine = 0.5 * Vec3(rotation(2, 1) - rotation(1, 2), rotation(0, 2) - rotation(2, 0), rotation(1, 0) - rotation(0, 1));
   const double squared = sine.squaredNorm();
   return (1 + squared * (1.0 / 6 + squared * (3.0 / 40 + squared * 15.0 / 336))) * sine;
 }
 
-/// Directions across the obstacles that were touched, orthogonal, at most three.
+/// Orthogonal directions across the obstacles that were touched, at most three.
 struct Across {
   std::array<Vec3, 3> normals;
   int count = 0;
@@ -28,7 +28,7 @@ struct Across {
   Across(const StepContext& context, const Exchange& before) {
     for (std::size_t q = 0; q < context.drive.planes.size() && count < 3; ++q) {
       if (context.run.physical.exchange.planes[q].force == before.planes[q].force) continue;
-      if (context.drive.planes[q].solid()) {  // its rows each have a normal of their own
+      if (context.drive.planes[q].solid()) {  // each of its contact constraints has its own normal
         count = 3;
         normals = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
         return;
@@ -41,7 +41,7 @@ struct Across {
     for (int i = 0; i < count; ++i) v -= normals[i].dot(v) * normals[i];
     return v;
   }
-  /// Of a turn, which changes gaps unless it is about the only normal.
+  /// Returns the part of a turn that changes no gap: the part about the normal if there is only one, else zero.
   Vec3 about(const Vec3& turn) const { return count == 1 ? Vec3(normals[0].dot(turn) * normals[0]) : Vec3(Vec3::Zero()); }
 };
 

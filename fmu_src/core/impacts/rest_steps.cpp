@@ -16,22 +16,22 @@ namespace softffd {
 
 namespace thresholds {
 
-// Steps are the largest stable explicit ones; what these rest on stands in kit/thresholds.hpp.
+// Steps are the largest stable explicit ones; kit/thresholds.hpp says what the values rest on.
 
-/// Energy that the first implicit step may lose, in that of the pressing force along the tolerance [1]; part of the tolerance for its
-/// error.
+/// Largest energy that the first implicit step may lose, in units of `allowed_loss` [1]; fraction of the tolerance for its error [1].
 constexpr double settling_loss = 3, settling_share = 0.5;
-/// Steps from which on implicit ones pay: three cost what these do.
+/// Implicit steps pay from this length on, in explicit steps: the three implicit steps of a step doubling cost as much.
 constexpr double worth_resting = 400;
-/// Part of the tolerance for the error of a step at rest, at most and per share of the run that it takes [1]; what lets the next be taken
-/// once, and how many of these at most.
+/// Fraction of the tolerance for the error of a step at rest: at most, and per fraction of the run that the step takes [1]. If the error
+/// is below `easy_rest` of the allowed one, the next steps are run once, at most `longest_rest_trust` of them.
 constexpr double rest_share = 0.5, rest_rate = 4, easy_rest = 0.2;
 constexpr Count longest_rest_trust = 128;
-/// Of that error, what an event of a contact within the step may leave: beyond, the step ends at the event. What is tried for its time at
-/// most, and the part of a step that is tried first where nothing tells when it is; a step also stops short of it by this part at most [1].
+/// Fraction of that error that a contact event within the step may cause [1]; above it, the step ends at the event. `event_shrink`: the
+/// fraction of a step that is tried first if the time of the event is unknown, and the largest fraction by which a step stops short of the
+/// event [1]. `most_event_tries`: the largest number of tries for the time of the event.
 constexpr double event_share = 0.1, event_shrink = 0.125;
 constexpr int most_event_tries = 12;
-/// Gap relative to the box at which a body at rest has lifted off; gap that is closed after the body is moved as a whole [1].
+/// A body at rest with a larger gap has lifted off; a smaller gap is closed after a rigid shift of the body. Gaps relative to the box [1].
 constexpr double lifted = 1e-9, snapped = 1e-13;
 
 }  // namespace thresholds
@@ -40,7 +40,7 @@ namespace {
 
 namespace use = thresholds;
 
-/// Acceleration of the obstacle next to a body that no pin holds, nor a free body rests on [m/s2].
+/// Returns the acceleration of the nearest obstacle [m/s2]; zero if pins hold the body or there are free bodies.
 Vec3 obstacle_acceleration(const StepContext& context, const State& state) {
   const auto& planes = context.drive.planes;
   const bool steady = std::all_of(planes.begin(), planes.end(), [](const Plane& plane) { return plane.acceleration.isZero(0); });
@@ -65,7 +65,7 @@ StepStatus RestSteps::run(const Beside& at) {
     stiff.begin(Phase::flight);
     return StepStatus::ok;
   }
-  if (std::ranges::any_of(context.drive.free, &FreeMotion::loads_grow)) {  // when friction gives way is not looked for
+  if (std::ranges::any_of(context.drive.free, &FreeMotion::loads_grow)) {  // the time at which friction gives way is not looked for
     stiff.begin(Phase::contact);
     return StepStatus::ok;
   }
@@ -79,7 +79,7 @@ StepStatus RestSteps::run(const Beside& at) {
   return step_twice(at, next);
 }
 
-/// Whether steps of h do not pay: back to windows, to listen for longer.
+/// True if steps of h [s] do not pay. Then the windows go on, and observe the body for longer before the next rest.
 bool RestSteps::doubted(const Beside& at, double h) {
   StiffContact& stiff = at.context.run.physical.stiff;
   if (h >= use::worth_resting * at.limit) return false;
@@ -89,8 +89,8 @@ bool RestSteps::doubted(const Beside& at, double h) {
   return true;
 }
 
-/// The first step takes up what velocities are left; with h and with two of h / 2. Windows go on where a contact's state changes within it,
-/// or where the two differ: a body that turns is not at rest.
+/// Takes the first step at rest, which removes the remaining velocities, with h and with two of h / 2. Windows go on if a contact's state
+/// changes within the step or if the two results differ: a body that turns is not at rest.
 StepStatus RestSteps::settle(const Beside& at) {
   const StepContext& context = at.context;
   PhysicalState& physical = context.run.physical;
@@ -128,7 +128,7 @@ StepStatus RestSteps::settle(const Beside& at) {
   return StepStatus::ok;
 }
 
-/// Whether the body turns over its obstacle: no step of that is like the one before.
+/// True if the body tips over its obstacle: then no step resembles the one before.
 bool RestSteps::tips(const StepContext& context) const {
   if (!context.drive.pins.empty()) return false;
   const State& motion = context.run.physical.motion;
@@ -138,13 +138,13 @@ bool RestSteps::tips(const StepContext& context) const {
   return speed * left_of_run(context) > use::rest_share * context.request.tolerance;
 }
 
-/// Error of a step of h that may be left at the end of the run [m].
+/// Returns the largest final error that a step of h [s] may have [m].
 double RestSteps::allowed(const StepContext& context, double h) const {
   const double tolerance = context.request.tolerance * power(context.request.step_factor, 2);
   return std::min(use::rest_share, use::rest_rate * h / left_of_run(context)) * tolerance;
 }
 
-/// To the end, unless energy is lost or a contact's state changes: then nothing is trusted any more.
+/// Takes one step to the end. If energy is lost, a contact's state changes or the body tips, returns false and ends all trust.
 bool RestSteps::step_once(const Beside& at) {
   PhysicalState& physical = at.context.run.physical;
   StiffContact& stiff = physical.stiff;
@@ -166,11 +166,11 @@ bool RestSteps::step_once(const Beside& at) {
   return false;
 }
 
-/// The first step, no longer than to where an event lies that matters: next becomes its end. The run goes on from there.
+/// Takes the first step, cut at a contact event whose error exceeds `allowed` [m]. `next` becomes its end, from where the run goes on.
 RestSteps::Step RestSteps::step_before_event(const Beside& at, double& next, double allowed, ContactEvent& event) {
   PhysicalState& physical = at.context.run.physical;
   const double time = physical.motion.time, whole = next - time;
-  double length = whole, free = 0;  // free: without an event
+  double length = whole, free = 0;  // free: a length without an event [s]
   for (int tries = 0;; ++tries) {
     next = length == whole ? next : time + length;
     const Step taken = step(at, next);
@@ -222,14 +222,14 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
   const bool quiet = std::abs(lost) < allowed_loss(context, taken.pressing);
   if (error <= most && quiet) {
     const bool easy = next == at.end && error < use::easy_rest * most;
-    if (easy) std::swap(physical, coarse_);  // a step as those that are trusted: others would set off what is at rest
+    if (easy) std::swap(physical, coarse_);  // the step size of the trusted steps: another one would disturb a body at rest
     if (h >= use::worth_resting * at.limit) stiff.doubts = 0;
     if (easy) left = left.times(2);
     left.size += event.error;
     physical.error.add(left);
     stiff.pressing = taken.pressing;
     const double longer = h * std::clamp(factor, use::next_shrink, use::rest_growth);
-    if (!cut) stiff.step = factor < 1 ? longer : std::max(stiff.step, longer);  // the call may have ended before the step wanted
+    if (!cut) stiff.step = factor < 1 ? longer : std::max(stiff.step, longer);  // the call may have ended before the wanted step
     stiff.rest_trust = easy ? stiff.next_rest_trust : 0;
     stiff.next_rest_trust = easy ? std::min(2 * stiff.next_rest_trust, use::longest_rest_trust) : 1;
     snapshot.commit();
@@ -243,7 +243,7 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
   return StepStatus::ok;
 }
 
-/// A step of backward Euler, its rigid motion by the mean velocity. settling: along the obstacles alone.
+/// Takes a backward Euler step, with the rigid motion by the mean velocity. settling: the mean velocity counts only along the obstacles.
 RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   const StepContext& context = at.context;
   PhysicalState& physical = context.run.physical;
@@ -263,7 +263,7 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   taken.pressing = pressed_since(context, before_.exchange.planes) / h;
   if (!context.drive.pins.empty()) return taken;
   x_ = physical.motion.x;
-  const bool along = settling || context.model.body.samples;  // what rings, and a surface that rolls over its samples, has no mean turn
+  const bool along = settling || context.model.body.samples;  // no mean turn if the body rings or rolls over its samples
   follow_mean_velocity(context, before_, h, along);
   if (!along && !keep_in_front(context)) taken.status = StepStatus::not_finite;
   context.model.body.internal_force(physical.motion.x, physical.motion.spring);
@@ -272,8 +272,8 @@ RestSteps::Step RestSteps::step(const Beside& at, double until, bool settling) {
   return taken;
 }
 
-/// A step as an observer sees it who has this acceleration from the begin of the drive on: beside an obstacle that moves so, everything
-/// keeps its speed while it sticks, as backward Euler takes it to. Work of obstacles is given as seen from outside.
+/// Takes a step as an observer sees it who has this acceleration since the beginning of the drive. Beside an obstacle with this
+/// acceleration, all that sticks keeps its speed, as backward Euler assumes. The work of obstacles is given as seen from outside.
 Outcome RestSteps::take_in_frame(const Beside& at, const Vec3& acceleration, const Span& span) {
   const StepContext& context = at.context;
   PhysicalState& physical = context.run.physical;
@@ -308,7 +308,8 @@ Outcome RestSteps::take_in_frame(const Beside& at, const Vec3& acceleration, con
   return outcome;
 }
 
-/// Brings the body as a whole back onto the obstacles that it touched before it was moved, and off those that it was moved behind.
+/// Shifts the whole body back onto the obstacles that it touched before the rigid motion was changed, and out of those that the change
+/// moved it behind. Returns false if a point stays behind an obstacle.
 bool RestSteps::keep_in_front(const StepContext& context) {
   PhysicalState& physical = context.run.physical;
   State& motion = physical.motion;

@@ -1,7 +1,7 @@
-/// Steps of a stiff body at rest on obstacles or sliding on them: backward Euler with exact contact, its rigid motion by the mean of the
-/// velocities before and after, so that sliding is exact in steps of any length, and without creep where the body sticks. Each is run with
-/// h and with two of h / 2, unless a number of them has shown that nothing changes, and ends where a contact's state changes
-/// (contact_events.hpp); what it loses beyond damping and friction must be little.
+/// Steps of a stiff body at rest on obstacles or sliding on them, by backward Euler with exact contact. The rigid motion goes by the mean
+/// of the velocities before and after, so that sliding is exact in steps of any length, and a sticking body does not creep. Each step is
+/// run with h and with two of h / 2, unless a number of steps has shown that nothing changes, and ends where a contact's state changes
+/// (contact_events.hpp). The energy that a step loses beyond damping and friction must be small.
 #pragma once
 #include <vector>
 
@@ -13,13 +13,13 @@ namespace softffd {
 class RestSteps {
  public:
   explicit RestSteps(const Run& run);
-  /// One step, or none where the phase has to be another: sets it.
+  /// Takes one step, or takes none and sets the phase if another phase is needed.
   StepStatus run(const Beside& at);
 
  private:
   struct Step {
     StepStatus status = StepStatus::ok;
-    double lost = 0, pressing = 0;  ///< [J], [N]
+    double lost = 0, pressing = 0;  ///< energy lost beyond drag and friction [J]; force on the obstacles [N]
     Slip slip{};
   };
   StepStatus settle(const Beside& at);
@@ -36,7 +36,7 @@ class RestSteps {
   PhysicalState start_, before_, coarse_;
   std::vector<HalfSpace> obstacles_;
   Points x_;
-  Drive drive_;  ///< as the accelerated observer has it
+  Drive drive_;  ///< the drive as an accelerated observer sees it
 };
 
 }  // namespace softffd

@@ -13,33 +13,34 @@ namespace softffd {
 
 namespace thresholds {
 
-// Steps are the largest stable explicit ones; what these rest on stands in kit/thresholds.hpp.
+// Steps are the largest stable explicit ones; kit/thresholds.hpp says what the values rest on.
 
-/// Steps between two looks; looks at least before it can be called quiet; looks of a window at most.
+/// Steps between two looks at the body; largest number of looks in a window; least number of looks before the body can count as quiet.
 constexpr double look_steps = 24, longest_window = 64;
 constexpr Count least_looks = 4;
-/// Steps that nothing can be touched for when a window ends in a flight.
+/// A window ends in a flight if nothing can be touched for this many steps.
 constexpr double worth_flying = 40;
-/// Steps for which an impact is run with half the step: a contact takes 48 to 120 whatever the stiffness.
+/// An impact is run with half the step for this many steps: a contact takes 48 to 120 steps whatever the stiffness.
 constexpr double impact_length = 240;
-/// Steps of windows that are run once where flights come before and after, in the largest stable ones [1]: leapfrog keeps another energy
-/// than the modes do, so that each change from one to the other multiplies a vibration's energy by (2 - a)^2 / (4 (1 - a)) on average, with
-/// a = (omega h / 2)^2: 1.10 for the fastest at the largest step, 1.0002 at a quarter of it.
+/// Step of windows that are run once and have flights before and after, in largest stable steps [1]. Leapfrog keeps another energy than
+/// the modes do, so that each change between them multiplies a vibration's energy by (2 - a)^2 / (4 (1 - a)) on average, with a =
+/// (omega h / 2)^2: by 1.10 for the fastest vibration at the largest step, by 1.0002 at a quarter of that step.
 constexpr double after_flight = 0.25;
-/// Where the phases of the vibrations are lost by this many tolerances impacts may add this share of it: nothing can hold the tolerance
-/// then. By so many tolerances of any error windows are run once.
+/// If the error by lost phases of the vibrations exceeds `hopeless` tolerances, impacts may add `share_of_known` of that error, because
+/// nothing can keep the tolerance then. If the total error exceeds `lost` tolerances, windows are run once.
 constexpr double hopeless = 10, share_of_known = 0.1, lost = 300;
-/// The finest run of a window, in steps; times it is run again.
+/// Smallest step of a window, in largest stable steps; largest number of reruns of a window.
 constexpr double finest_window = 1.0 / 64;
 constexpr int most_window_tries = 6;
-/// Of the allowed error, what the coarser run may have to let the next windows be run once as coarsely; how many at most. In contact that
-/// goes on alone: given to one that had not touched yet it would make the impact a single unchecked run.
+/// If the error of the coarser run is below this fraction of the allowed error, the next windows are run once with the same step; at most
+/// `longest_window_trust` of them. The rule holds only in contact that goes on: for a body that had not touched yet, it would make the
+/// impact a single unchecked run.
 constexpr double easy = 0.4;
 constexpr Count longest_window_trust = 32;
-/// Of the tolerance, what vibrations are off by when they have flown by their modes and the contact before was run once: measured, a tenth
-/// of it states three times as much as is true, a thousandth a third of it at times.
+/// Fraction of the tolerance by which vibrations are taken to err if they flew by their modes and the contact before was run once.
+/// Measured: a tenth of the tolerance reports three times the true error, a thousandth at times reports a third of it.
 constexpr double flown_error = 0.01;
-/// Energy that may be damped away, in that of the pressing force along the tolerance [1]: it cannot move the body further.
+/// Energy that may be damped away, relative to the work of the pressing force along the tolerance [1]: it cannot move the body further.
 constexpr double quiet_energy = 0.1;
 
 }  // namespace thresholds
@@ -48,8 +49,8 @@ namespace {
 
 namespace use = thresholds;
 
-/// How loud the vibrations are: their kinetic energy with that of free bodies' motion beside the object [J], of a pinned body, which
-/// nothing has to press on, their size [m].
+/// Returns how large the vibrations are: their kinetic energy plus that of free bodies relative to the object [J]. For a pinned body,
+/// which no force has to press on an obstacle, returns their size [m].
 double loudness(const StepContext& context) {
   const State& motion = context.run.physical.motion;
   if (context.drive.pins.empty()) {
@@ -68,7 +69,7 @@ double loudness(const StepContext& context) {
   return present_vibration(context.equations(), motion, context.model.time_scale, infinity);
 }
 
-/// What presses the object on obstacles, or a free body on what holds it, least [N]: nothing where loads grow.
+/// Returns the least force that presses the object on obstacles, or a free body on what holds it [N]; 0 if loads grow.
 double least_pressing(const StepContext& context) {
   const StiffContact& stiff = context.run.physical.stiff;
   double least = stiff.impulse / stiff.listened;
@@ -80,7 +81,7 @@ double least_pressing(const StepContext& context) {
   return least;
 }
 
-/// Whether they cannot move the body by what matters, pressed on as it was while it was listened to.
+/// True if the vibrations cannot move the body by an amount that matters, against the force that pressed on it while it was observed.
 bool quiet(const StepContext& context) {
   const StiffContact& stiff = context.run.physical.stiff;
   if (!context.drive.pins.empty()) return stiff.loudest <= use::quiet * context.request.tolerance;
@@ -142,7 +143,7 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     const double allowed = std::max(physical.total_error() > exact ? use::window_share * tolerance : exact, known);
     if (error <= allowed || 0.5 * h <= least || tries == use::most_window_tries) {
       const bool easy = !fresh && tries == 0 && 4 * error < use::easy * allowed;
-      if (easy) std::swap(physical, coarse_);  // steps as those that are trusted: other ones would set off what is at rest
+      if (easy) std::swap(physical, coarse_);  // the step size of the trusted windows: another one would disturb a body at rest
       stiff.trusted.learn(left.times(4));
       stiff.phase = next;
       stiff.settling = next == Phase::rest;
@@ -166,19 +167,20 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
   }
 }
 
-/// What vibrations were off by when the window began, by the last one that was run twice [m].
+/// Returns the error of the vibrations when the window began, by the last window that was run twice [m]; else by `flown_error`.
 double Windows::flown(const StepContext& context) const {
   return start_.stiff.flown > 0 ? start_.stiff.flown : use::flown_error * context.request.tolerance;
 }
 
-/// What the window makes of errors. A flight waits for the neighbour to be off the obstacles too, for a vibration's time; where the body
-/// rests, so does the neighbour. Returns whether that is known.
+/// Lets the neighbour trajectory follow, which shows how the window amplifies errors. A flight waits until the neighbour is off the
+/// obstacles too, for at most a period of the slowest vibration; if the body rests, the neighbour rests too. Returns true if the
+/// amplification is known.
 bool Windows::follow(const Beside& at) {
   const StepContext& context = at.context;
   const PhysicalState& physical = context.run.physical;
   const Neighbour& neighbour = context.run.control.neighbour;
   const double begun = start_.motion.time, length = physical.motion.time - begun;
-  const Count steps = divisions(length, Landings::lands(context, begun, impacts_ > 0) ? at.limit : physical.clock.h);  // cut where it lands
+  const Count steps = divisions(length, Landings::lands(context, begun, impacts_ > 0) ? at.limit : physical.clock.h);  // cut at a landing
   landings_.follow(at.integrators, context, start_.motion, Method::leapfrog, {begun, 0, length / double(steps), steps}, impacts_ > 0,
                    start_.stiff.phase == Phase::impact ? flown(context) : 0);
   if (neighbour.off.time != physical.motion.time) return false;
@@ -192,7 +194,7 @@ bool Windows::follow(const Beside& at) {
   return true;
 }
 
-/// Explicit steps of h, with looks at the same times whatever h is: until the phase changes, if that is to be decided here, or `until`.
+/// Takes explicit steps of h [s] until `until` [s], or, if `decide`, until the phase changes. Looks come at the same times whatever h is.
 StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double until, bool decide) {
   const StepContext& context = at.context;
   PhysicalState& physical = context.run.physical;
@@ -232,7 +234,7 @@ StepStatus Windows::listen(const Beside& at, Flights& flights, double h, double 
     }
     if (!decide) continue;
     quiet_now = quiet_now || rests;
-    // The first step at rest takes up what velocities are left: a much shorter one does not.
+    // The first step at rest removes the remaining velocities; a much shorter step does not.
     const bool room = at.end - motion.time >= 0.5 * use::settling_steps * at.limit;
     if (quiet_now && (room || motion.time >= at.end)) {
       stiff.phase = Phase::rest;

@@ -1,7 +1,7 @@
-/// Windows of explicit steps in which a stiff body strikes an obstacle, or rings on it: each is run with h and h / 2, and stands if what
-/// the two will differ by at the end of the run is little enough. They end when nothing can be touched for some time, or when it is quiet.
+/// Windows of explicit steps in which a stiff body strikes an obstacle or rings on it. Each is run with h and h / 2, and accepted if the
+/// final error between the two results is small enough. They end when nothing can be touched for some time, or when the body is quiet.
 ///
-/// It is quiet when what the vibrations hold cannot move the body by what matters: pressed on by a force F no further than energy / F.
+/// The body is quiet if its vibrations cannot move it by an amount that matters: pressed on by a force F, by at most their energy / F.
 #pragma once
 #include <vector>
 
@@ -10,14 +10,14 @@
 
 namespace softffd {
 
-/// Energy that may be damped away of a body that is pressed on with this force [J].
+/// Returns the energy that may be damped away from a body that this force [N] presses on [J]; infinite if pins hold the body.
 double allowed_loss(const StepContext& context, double pressing);
 
 class Windows {
  public:
   explicit Windows(const Run& run)
       : start_(run.physical), coarse_(run.physical), landings_(run), pushed_(run.physical.exchange.planes.size()) {}
-  /// One window; sets the phase that follows.
+  /// Runs one window and sets the phase that follows.
   StepStatus run(const Beside& at, Flights& flights);
 
  private:
@@ -27,8 +27,8 @@ class Windows {
 
   PhysicalState start_, coarse_;
   Landings landings_;
-  Count impacts_ = 0;            ///< of the last listening
-  std::vector<Impulse> pushed_;  ///< on each obstacle before a stretch
+  Count impacts_ = 0;            ///< number of impacts in the last `listen`
+  std::vector<Impulse> pushed_;  ///< impulse on each obstacle before a sub-interval
 };
 
 }  // namespace softffd

@@ -1,11 +1,11 @@
-/// What a call may still do: one budget for all of a communication step, its trials and retries among them. Counted, never timed, so that
-/// the same call ends alike on every machine.
+/// What work a call may still do: one budget for a whole communication step, including its trial runs and retries. Work is counted, never
+/// timed, so that the same call gives the same result on every machine.
 #pragma once
 #include <limits>
 
 namespace softffd {
 
-/// Work in evaluations of the body's spring forces.
+/// Counts work in evaluations of the body's spring forces.
 class Budget {
  public:
   void begin(double most) {
@@ -15,10 +15,10 @@ class Budget {
   void spend(double work) { left_ -= work; }
   double left() const { return left_ - kept_back_; }
   bool spent() const { return left() < 0; }
-  /// False for what is not a number too.
+  /// True if the budget suffices for this work; false if the work is NaN.
   bool covers(double work) const { return work <= left(); }
 
-  /// A part that is not there while this lives, or until it is released.
+  /// Holds back a part of the budget until it is released or destroyed.
   class [[nodiscard]] Reserve {
    public:
     Reserve(Budget& budget, double work) : budget_(budget), work_(work) { budget_.kept_back_ += work_; }

@@ -10,7 +10,7 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Work that an implicit step may take at least before explicit ones are tried: where a body buckles these are no shorter way.
+/// Least work that an implicit step may take before it is given up: where a body buckles, explicit steps are no shorter way.
 constexpr double buckling_work = 1e6;
 
 }  // namespace thresholds
@@ -27,7 +27,7 @@ StepStatus run_implicit(Integrators& integrators, const StepContext& context, Me
   if (!budget.covers(least)) return refusal(least);
   const Count steps = std::max(Count{1}, Count(std::llround(wanted)));
   physical.clock = {begin, H / double(steps), 0};
-  // Where it finds no way, a step may take as long as explicit steps would, which are tried with several sizes and cost more in contact.
+  // A step that does not converge may take as much work as explicit steps in its place, with their several trials and dearer contact.
   const double longest = step_limit(context, Method::leapfrog, false);
   const double explicit_work =
       use::doubled_work * step_work(context.model.body, context.drive, context.run, Method::leapfrog, longest) * physical.clock.h / longest;

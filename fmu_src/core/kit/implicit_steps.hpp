@@ -1,4 +1,4 @@
-/// Implicit steps with contact as they are given, or one for what is left of the communication step.
+/// Implicit steps with contact: steps of the given size, or one step for the rest of the communication step.
 #pragma once
 #include "kit/integrators.hpp"
 

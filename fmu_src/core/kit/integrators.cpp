@@ -17,10 +17,10 @@ namespace softffd {
 
 namespace {
 
-/// Whether a number tells the body's points apart there: further away rounding is larger than the body.
+/// True if rounding is at most as large as the body. Farther from the origin, floating-point numbers do not resolve the body's points.
 bool tells_apart(const StepContext& context) {
   const Points& x = context.run.physical.motion.x;
-  return rounding * kernels::largest(x.size(), x.data()) <= context.model.body.length;  // not where one is no number
+  return rounding * kernels::largest(x.size(), x.data()) <= context.model.body.length;  // false if a coordinate is NaN
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ Integrators::Integrators(const Lattice& lattice, int planes, int pins, const Sam
 std::unique_ptr<Integrator> Integrators::make(Method method) {
   const int points = lattice_.points();
   switch (method) {
-    case Method::automatic: break;  // stands for others
+    case Method::automatic: break;  // stands for other methods
     case Method::central_difference: return std::make_unique<CentralDifference>(points);
     case Method::leapfrog: return std::make_unique<Leapfrog>(points, planes_);
     case Method::bm4: return std::make_unique<Bm4>(points, pins_);
@@ -71,7 +71,7 @@ Outcome Integrators::take(const StepContext& context, Method method, const Span&
   return outcome;
 }
 
-/// One by one.
+/// Takes the steps one at a time and passes each one to followed_.
 Outcome Integrators::take_followed(const StepContext& context, Method method, const Span& span) {
   Outcome total;
   for (Count i = 0; i < span.steps && total.status == StepStatus::ok; ++i) {

@@ -18,13 +18,13 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Most steps of the neighbour for one step of the run at an impact [1].
+/// Largest number of steps of the neighbour for one step of the run at an impact [1].
 constexpr double impact_steps = 8;
-/// Work of a step in contact, in that of one without, as it is taken beforehand [1].
+/// Work of a step in contact relative to a step without contact, as assumed in the forecast of the neighbour's work [1].
 constexpr double most_of_contact = 4;
-/// To bring a body that is set beside itself out of obstacles, one at a time.
+/// Largest number of moves that bring the neighbour out of obstacles when it starts, one obstacle at a time.
 constexpr int most_ways_out = 20;
-/// Of a guided obstacle's way out, the least along the normal [1].
+/// A guided obstacle is moved out only if its guide has at least this component along the normal [1].
 constexpr double least_share_of_guide = 0.1;
 
 }  // namespace thresholds
@@ -43,8 +43,8 @@ void add(const Vec3& shift, Points& x) {
   for (int axis = 0; axis < 3; ++axis) x.col(axis) += shift[axis];
 }
 
-/// Moves what the bodies differ by on to the end of a flight. The rigid part turns with the body, and its place along the normal, where it
-/// decides when the body lands.
+/// Carries the difference of the two bodies on to the end of a flight. The difference turns with the body and drifts with its own rigid
+/// part. The mean displacement is turned towards the normal, where it decides when the body lands.
 void fly_on(const Model& model, const State& begin, const RigidMotion& rigid, const Vec3& normal, Neighbour& neighbour) {
   const Body& body = model.body;
   const double time = std::min(begin.time - neighbour.off.time, model.longest_lasting());
@@ -59,14 +59,14 @@ void fly_on(const Model& model, const State& begin, const RigidMotion& rigid, co
   add(std::copysign(whole.norm(), whole.dot(normal)) * normal - whole, neighbour.x);
 }
 
-/// A free body's state that differed by this so long ago.
+/// Returns the present state of a free body whose difference from the run's was `apart` this time ago [s].
 FreeState fly_beside(const FreeMotion& body, const FreeState& physical, FreeState apart, double time) {
   apart.position += time * apart.velocity;
   apart.orientation = turned(apart.orientation, time * (body.spin(beside(physical, apart)) - body.spin(physical)));
   return beside(physical, apart);
 }
 
-/// Moves vibrations on in their phase until a place is off by so much [m], though not by more than they are large.
+/// Shifts the phase of the vibrations until a point is displaced by `most` [m], but by no more than the vibrations are large.
 void shift_phase(const Body& body, const State& begin, const RigidMotion& rigid, double most, Points& x) {
   double squares = 0, fastest = 0;
   for (int i = 0; i < begin.spring.size(); ++i) squares += body.inverse_mass[i] * power(begin.spring.data()[i], 2);
@@ -79,9 +79,9 @@ void shift_phase(const Body& body, const State& begin, const RigidMotion& rigid,
   for (int p = 0; p < body.points(); ++p) set_row(x, p, row(x, p) + time * own(p));
 }
 
-/// The same time in steps that are out of phase with those of the run: what comes onto an obstacle in which step is then not the same by
-/// accident. Where it lands they are many times shorter: what comes within a step is taken to come at once, and which place comes
-/// first decides. None is shorter than those of the run may be.
+/// Divides the same time into steps that are out of phase with the steps of the run, so that contacts do not begin in the same steps by
+/// accident. At a landing the steps are several times shorter: contacts that begin within one step count as simultaneous, and their order
+/// decides the result. No step is shorter than the shortest step allowed to the run.
 Span out_of_phase(const StepContext& context, const Span& span, bool lands) {
   const double limit = step_limit(context, Method::leapfrog, false);
   const double times = lands ? std::clamp(span.h / shortest_in_contact(context, limit), 1.0, use::impact_steps) : 1;
@@ -89,7 +89,7 @@ Span out_of_phase(const StepContext& context, const Span& span, bool lands) {
   return {span.origin, 0, span.h * double(span.steps) / double(steps), steps};
 }
 
-/// Moves what is behind an obstacle out of it, or a free obstacle. Returns whether anything is, and can be.
+/// Moves the body out of an obstacle, or moves a free obstacle instead. Returns true if something was behind one and could be moved.
 bool move_out(const StepContext& context, const NearestObstacle& nearest, Points& x) {
   if (!(nearest.gap < -free_touching * context.model.body.length)) return false;
   const Vec3& normal = nearest.obstacle.normal;
@@ -108,7 +108,7 @@ bool move_out(const StepContext& context, const NearestObstacle& nearest, Points
   return true;
 }
 
-/// Moves the body at x, and free obstacles, out of all. Returns whether that is done: from within one contact would throw them off.
+/// Moves the body at x, and free obstacles, out of all. Returns true on success; contact would throw off what starts inside an obstacle.
 bool free_of_obstacles(const StepContext& context, State& beside) {
   std::vector<FreeState>& free = context.run.physical.motion.free;
   for (int round = 0; round < use::most_ways_out; ++round) {
@@ -122,7 +122,7 @@ bool free_of_obstacles(const StepContext& context, State& beside) {
   return false;
 }
 
-/// A landing begins: the neighbour starts beside the run. beside: scratch.
+/// Starts the neighbour beside the run when a landing begins. beside: scratch.
 void set_beside(const StepContext& context, const State& begin, State& beside, double flown) {
   const Body& body = context.model.body;
   Neighbour& neighbour = context.run.control.neighbour;
@@ -147,7 +147,7 @@ void set_beside(const StepContext& context, const State& begin, State& beside, d
   neighbour.began = begin.time;
 }
 
-/// What is left of a difference of velocities where the body stays on its obstacle: along it, until friction has stopped the body.
+/// What remains of a difference of velocities if the body stays on its obstacle: the part along it, until friction stops the body.
 Drift sliding_apart(const StepContext& context, const Vec3& velocity) {
   const State& motion = context.run.physical.motion;
   const Outlook ahead = outlook(context, motion);
@@ -172,7 +172,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
   if (neighbour.follows && neighbour.off.time != begin.time) neighbour.forget();  // other steps came between
   if (!neighbour.follows) {
     if (!impact) return;
-    std::vector<FreeState> end = begin.free;  // free obstacles are where they were
+    std::vector<FreeState> end = begin.free;  // free obstacles where they were at the start
     end.swap(physical.motion.free);
     if (anyway || off_obstacles(context, begin.time, begin.x)) set_beside(context, begin, physical_.motion, flown);
     end.swap(physical.motion.free);
@@ -225,7 +225,7 @@ void Landings::part(const StepContext& context, bool flies) {
       neighbour.off.place = std::max(neighbour.off.place, swing_time(context, each) * speed);
     own = difference(physical, own);
   }
-  if (std::ranges::any_of(context.drive.free, &FreeMotion::part)) return neighbour.forget();  // a difference would tear it off
+  if (std::ranges::any_of(context.drive.free, &FreeMotion::part)) return neighbour.forget();  // a difference would tear the part off
   if (!context.drive.pins.empty()) return;
   const RigidMotion apart = rigid_motion(body.mass, motion.x, neighbour.v);
   if (flies) {

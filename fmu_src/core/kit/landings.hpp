@@ -1,14 +1,14 @@
-/// What landings make of errors, by a neighbour of the motion: where a body lands, a second one begins as far off as this one may be, and
-/// goes beside it, in shorter steps at impacts and else in the coarser ones of a stretch that is run twice, until both have landed and are
-/// off all obstacles, or stay on one for as long as the slowest vibration takes.
+/// Finds how landings amplify errors, by a neighbour of the motion: a second body that begins a landing as far off as the run itself may
+/// be. The neighbour is integrated beside the run, with shorter steps at impacts and otherwise with the coarser steps of a sub-interval
+/// that is run twice. It ends when both have landed and are off all obstacles, or have stayed on one for the slowest vibration's period.
 ///
 ///      landing              contact                    flight                        next landing
 ///      places off by d  ->  steps of both bodies   ->  what they differ by, kept  -> d: that, moved on with its rigid part
 ///
-/// A landing later or earlier by itself is no error that grows: what follows is the same, only later. What grows is that the vibrations, or
-/// the attitude, are others when the body lands; and what one contact adds, the next may take away. Runs tell that, a product of factors
-/// does not. Vibrations land as far out of phase as two runs of the contact before have left them, or, where that is not known, by a share
-/// of the tolerance.
+/// A landing that is only late or early is not an error that grows: the same motion follows, only later. An error grows if the vibrations
+/// or the attitude differ when the body lands, and one contact may cancel what another adds. Runs show this; a product of factors does not.
+/// The phase of the vibrations at a landing is off by what two runs of the previous contact left, or, if that is unknown, by a fraction of
+/// the tolerance.
 #pragma once
 #include "kit/integrators.hpp"
 
@@ -17,13 +17,13 @@ namespace softffd {
 class Landings {
  public:
   explicit Landings(const Run& run) : physical_(run.physical) {}
-  /// The run has come from begin by these steps, or by twice as many. impact: something came onto an obstacle. flown: what
-  /// vibrations may be off by when they land [m]; 0: it is not known. anyway: even where something touched before.
+  /// The run has come from `begin` by these steps, or by twice as many. impact: something came onto an obstacle. flown: error that
+  /// vibrations may have when they land [m]; 0: unknown. anyway: start a neighbour even if something touched before.
   void follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span, bool impact,
               double flown = 0, bool anyway = false);
-  /// Whether steps from this time on are of a landing, in which the neighbour's are short; else it rattles.
+  /// True if steps from this time on belong to a landing, in which the neighbour takes short steps; otherwise the body rattles.
   static bool lands(const StepContext& context, double time, bool impact);
-  /// The neighbour is no longer integrated beside the run; their difference is kept.
+  /// Ends the integration of the neighbour beside the run and keeps their difference.
   void part(const StepContext& context, bool flies);
 
  private:

@@ -13,33 +13,33 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Vibrations of a run, its length times omega, from which on it is long: rkn12 takes a millionth of a vibration's energy per step near the
-/// end of its stability interval, which adds up [rad]. The factor by which its steps are shorter then is in its row of traits.cpp.
+/// A run is long if its length times omega is above this [rad]: near the end of its stability interval rkn12 takes a millionth of a
+/// vibration's energy per step, which adds up. In long runs its steps are shorter by the factor in its row of traits.cpp.
 constexpr double long_run = 1e5;
-/// (omega h) (spin h) of an implicit step: points go along straight lines, which stretches springs, and the energy of the rotation errs by
-/// about its square [1]. By experience on spinning bodies.
+/// Largest (omega h) (spin h) of an implicit step [1]: points go along straight lines, which stretches springs, and the energy of the
+/// rotation errs by about the square of this product. By experience on spinning bodies.
 constexpr double straight_turn = 1e-4;
-/// Angle that such a step may turn through, however soft the body [rad]: the torque on turning pins errs as the cube of it.
+/// Largest angle that such a step may turn through, however soft the body [rad]: the torque on turning pins errs as its cube.
 constexpr double straight_angle = 0.005;
-/// Angle that a step in the body's own frame may turn through [rad]: the rigid motion is exact, but the loads' directions in the frame are
-/// linear in between.
+/// Largest angle that a step in the body's own frame may turn through [rad]: the rigid motion is exact, but the directions of the loads in
+/// the frame are interpolated linearly.
 constexpr double frame_angle = 1;
-/// Of a step times the rate of damping, where free parts are kicked by dashpots [1].
+/// Largest product of step and rate of damping where dashpots act on free parts [1].
 constexpr double part_damping = 0.8;
-/// Fraction of the stable step below which those of a surface of many vertices are not cut, at a tolerance as large as the box, and the
-/// largest [1]: which vertex comes down first decides there, which shorter steps hardly tell better. Measured on sixty cubes that drop or
-/// rest, flat and tilted, at a tolerance of 1e-4: 2.8 tolerances in the mean with 1/1000, 2.3 with 1/125; smaller tolerances may be met by
-/// shorter steps.
+/// Steps in contact of a surface of many vertices are not cut below a fraction of the stable step [1]. The fraction goes with the square
+/// root of the tolerance: least_of_surface at a tolerance as large as the box, most_of_surface at most. Which vertex comes down first
+/// decides there, and shorter steps hardly tell that better. Measured on sixty cubes that drop or rest, flat and tilted, at a tolerance of
+/// 1e-4: 2.8 tolerances in the mean with 1/1000, 2.3 with 1/125. Smaller tolerances may be met by shorter steps.
 constexpr double least_of_surface = 0.8, most_of_surface = 1.0 / 32;
 
-/// Of many differences, the largest in their root mean square [1].
+/// Largest of many differences relative to their root mean square [1].
 constexpr double farthest = 3.5;
 
 }  // namespace thresholds
 
 namespace {
 
-/// Leapfrog's: shorter steps that carry velocities on for the dashpots where these are less work than the longest.
+/// Step of leapfrog with dashpots [s]: a shorter one that carries velocities on for the dashpots, if that takes less work than the longest.
 double with_dashpots(const StepContext& context, double longest) {
   const auto work = [&](double h) { return step_work(context.model.body, context.drive, context.run, Method::leapfrog, h) / h; };
   bound(context);
@@ -47,7 +47,7 @@ double with_dashpots(const StepContext& context, double longest) {
   return 0 < carried && carried < longest && work(carried) < work(longest) ? carried : longest;
 }
 
-/// Stretches of this length [s] whose errors there are at the end of the run, where damping forgets them in `lasts` [s].
+/// Number of sub-intervals of this length [s] whose errors remain at the end of the run, if damping forgets errors within `lasts` [s].
 double stretches_in(const StepContext& context, double lasts, double stretch) {
   return std::max(1.0, std::min(context.request.horizon, lasts) / stretch);
 }
@@ -68,7 +68,7 @@ double bound(const StepContext& context) {
 }
 
 double damping_bound(const StepContext& context) {
-  bound(context);  // both are renewed at the same moments
+  bound(context);  // both bounds are renewed at the same moments
   return context.run.control.damping_bound;
 }
 
@@ -84,7 +84,7 @@ double step_limit(const StepContext& context, Method method, bool given) {
   if (!given && t.long_run < 1 && context.request.horizon * bound(context) > thresholds::long_run) limit *= t.long_run;
   if (!given && method == Method::leapfrog && context.model.body.dashpots()) {
     limit = with_dashpots(context, limit);
-    // the kicks of the parts do not solve for what dashpots do to them
+    // the kicks of the parts do not solve for the forces of the dashpots on them
     if (std::ranges::any_of(context.drive.free, &FreeMotion::part))
       limit = std::min(limit, thresholds::part_damping / damping_bound(context));
   }

@@ -14,24 +14,24 @@ namespace softffd {
 
 namespace thresholds {
 
-// Steps are the largest stable explicit ones; what these rest on stands in kit/thresholds.hpp.
+// Steps are the largest stable explicit steps; kit/thresholds.hpp says what these values rest on.
 
-/// Periods of the slowest vibration in the largest time scale of a point [1]: of the uniform lattice of four points a side.
+/// Period of the slowest vibration in units of the largest time scale of a point [1]: for the uniform lattice of four points a side.
 constexpr double period_per_time_scale = 26;
-/// What is left of a run is taken for at least this share of it [1].
+/// The rest of a run counts as at least this fraction of the run [1].
 constexpr double least_left = 0.02;
-/// Periods of the slowest vibration that a difference of velocities lasts at least.
+/// Periods of the slowest vibration that a difference of velocities lasts at least, unless internal damping takes it sooner.
 constexpr double memory_periods = 10;
-/// Of the outside's acceleration, what is rounding in that towards an obstacle [1].
+/// An acceleration towards an obstacle is rounding if it is at most this fraction of the acceleration by outside forces [1].
 constexpr double least_pressing = 1e-6;
-/// Cosine of two normals below which obstacles hold a body from two sides [1].
+/// Two obstacles hold a body from two sides if the cosine of the angle between their normals is below this [1].
 constexpr double opposite = -0.5;
-/// Share of the speed of turning in that of approach that the next rebound may feel [1].
+/// Fraction of the speed of turning that counts in the speed of approach, because the next rebound may feel it [1].
 constexpr double turning_share = 0.3;
-/// The share of the vibrations' velocity that the next rebound may feel where a sample of the surface strikes: it stops at once, and with
-/// it the mass that moves with it [1].
+/// Fraction of the vibrations' velocity that the next rebound may feel if a sample of the surface strikes: the sample stops at once, and
+/// with it the mass that moves with it [1].
 constexpr double struck_share = 0.5;
-/// Gap relative to the box up to which what rings counts as touching, for whether the body falls over [1]; logarithm of the largest growth.
+/// Gap relative to the box up to which a ringing body counts as touching in the check for a fall [1]; logarithm of the largest growth.
 constexpr double snug = 1e-4, longest_growth = 20;
 
 }  // namespace thresholds
@@ -39,11 +39,11 @@ constexpr double snug = 1e-4, longest_growth = 20;
 namespace {
 
 namespace use = thresholds;
-/// Speed that every body counts as having [m/s].
+/// Speed that is added to every speed of approach [m/s].
 constexpr double standstill = 1e-9;
 
-/// For how long a velocity of the whole body lasts at most: to the end of the run, or until drag has taken it. Free bodies, which may take
-/// it over, are not dragged.
+/// How long a velocity of the whole body lasts at most [s]: to the end of the run, or until drag has taken it. Free bodies are not dragged,
+/// and may take the velocity over.
 double lasting(const StepContext& context) {
   const double left = left_of_run(context);
   return context.drive.free.empty() ? std::min(left, context.model.longest_lasting()) : left;
@@ -62,12 +62,12 @@ Vec3 whole_acceleration(const StepContext& context) {
   return sum / context.model.body.mass.sum();
 }
 
-/// Of an obstacle, a free one in flight [m/s2].
+/// Acceleration of an obstacle; for a free obstacle, its acceleration in flight [m/s2].
 Vec3 acceleration_of(const Plane& obstacle, const State& state) {
   return obstacle.own ? obstacle.own->acceleration(state.free[obstacle.own->index()]) : obstacle.acceleration;
 }
 
-/// Whether obstacles hold the body from two sides.
+/// True if obstacles hold the body from two sides.
 bool squeezed(const StepContext& context, const State& state) {
   const double touch = touching * context.model.body.length;
   const auto touches = [&](const HalfSpace& obstacle) { return least_gap(context.model.body, obstacle, state.x) <= touch; };
@@ -81,19 +81,19 @@ bool squeezed(const StepContext& context, const State& state) {
   return false;
 }
 
-/// In which internal damping takes a vibration of this period to 1 / e, or what creeps [s]; infinite without.
+/// Time in which internal damping takes a vibration of this period, or a creeping motion, to 1 / e [s]; infinite without dashpots.
 double decay_time(const StepContext& context, double period) {
   const double time = context.model.body.shortest_time();
   constexpr double two_pi = 6.283185307179586;
   return time > 0 ? std::max(2 * power(period / two_pi, 2) / time, time) : infinity;
 }
 
-/// For how long a velocity of the body in contact lasts, its slowest vibration having this period [s]: internal damping takes it sooner.
+/// How long a velocity of the body in contact lasts, if its slowest vibration has this period [s]. Internal damping may take it sooner.
 double ringing_time(const StepContext& context, double period) {
   return std::min(use::memory_periods * period, period + decay_time(context, period));
 }
 
-/// Calls visit(place) for all that may touch: control points, or the surface's samples.
+/// Calls visit(place) for all places that may touch: control points, or the surface's samples.
 template <class Visit>
 void visit_places(const Body& body, const Points& x, Visit visit) {
   if (!body.samples) {
@@ -103,8 +103,9 @@ void visit_places(const Body& body, const Points& x, Visit visit) {
   for (int s = 0; s < body.samples->count(); ++s) visit(body.samples->at(s, x));
 }
 
-/// Whether the body falls over: what touches lies on one side of where the outside force through the centre meets the obstacle. It turns
-/// about what touches until another place comes down; differences of two such motions grow as its speed does, from rest exponentially.
+/// Checks whether the body falls over: whether all touching places lie on one side of the point where the outside force through the centre
+/// meets the obstacle. The body then turns about the touching places until another place comes down. The difference of two such motions
+/// grows as their speed does, from rest exponentially.
 void look_for_fall(const StepContext& context, const State& state, Outlook& ahead) {
   const Body& body = context.model.body;
   const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
@@ -156,7 +157,7 @@ double left_of_run(const StepContext& context) {
   return time < horizon ? std::max(horizon - time, use::least_left * horizon) : horizon;
 }
 
-/// The uniform lattice's lowest frequency goes with one over its points along the longest side.
+/// The lowest frequency of the uniform lattice is inversely proportional to its number of points along the longest side.
 double slowest_period(const StepContext& context) {
   const int n = context.model.body.points();
   double longest = 0;
@@ -206,7 +207,7 @@ Outlook outlook(const StepContext& context, const State& state) {
   const auto [plane, obstacle, gap] = nearest_obstacle(context, state);
   const Vec3 outside = whole_acceleration(context), pushed = acceleration_of(*plane, state) - outside;
   const double left = lasting(context), towards = pushed.dot(obstacle.normal);
-  const double pressing = std::abs(towards) > use::least_pressing * outside.norm() ? towards : 0;  // both may fall
+  const double pressing = std::abs(towards) > use::least_pressing * outside.norm() ? towards : 0;  // body and obstacle may fall alike
   Outlook ahead{obstacle.normal, left, left, left, pressing};
   if (context.drive.held()) return ahead;
   if (squeezed(context, state)) {
@@ -238,7 +239,8 @@ Outlook outlook_of_stiff(const StepContext& context, const State& state) {
   return ahead;
 }
 
-/// A position error e shifts the touch by e / v, the phase of the vibration by omega e / v, and the rebound by a share of its velocity.
+/// A position error e shifts the time of contact by e / v, the phase of the vibration by omega e / v, and the rebound by a fraction of the
+/// vibration's velocity.
 void book_unknown_phase(const StepContext& context, const State& state, double energy, double frequency, double known) {
   StiffContact& stiff = context.run.physical.stiff;
   const RigidMotion rigid = rigid_motion(context.model.body.mass, state.x, state.v);
@@ -277,7 +279,7 @@ double free_bodies_apart(const StepContext& context, const State& a, const State
 
 namespace {
 
-/// What brings a body from one place to another, as velocity and spin of a motion of one second.
+/// Returns the displacement of a body from one place to another, as velocity and spin of a motion of one second.
 RigidMotion way_between(const Scalars& mass, const Points& from, const Points& to) {
   RigidMotion way = rigid_motion(mass, from, to);
   const RigidMotion rest = rigid_motion(mass, from, from);
@@ -286,17 +288,17 @@ RigidMotion way_between(const Scalars& mass, const Points& from, const Points& t
   return way;
 }
 
-/// Share of a velocity that has moved the body.
+/// Fraction of a velocity difference that has moved the body within the sub-interval.
 double moved(const Vec3& velocity, const Vec3& way, double stretch) {
   const double speed = velocity.norm(), lasting = use::way_of_velocity * way.norm() / stretch;
   return lasting < speed ? lasting / speed : 1;
 }
 
-/// How two states move apart as rigid bodies, and what of that is along the obstacle when it has taken what is across [m/s].
+/// Difference of the rigid motions of two states, and its part along the obstacle after the obstacle has taken the part across [m/s].
 struct Parting {
   double radius;  ///< of the outermost point [m]
   Vec3 velocity, spin, along, lasting;
-  /// stretch: that has led to both, where a velocity is to count only as far as it has moved the body; else 0 [s].
+  /// stretch: time that led to both states [s], if a velocity is to count only as far as it has moved the body; else 0.
   Parting(const Body& body, const State& a, const State& b, const Outlook& ahead, double stretch = 0) {
     const RigidMotion of_a = rigid_motion(body.mass, a.x, a.v), of_b = rigid_motion(body.mass, b.x, b.v);
     radius = radius_about(of_b.centre, b.x);
@@ -340,7 +342,7 @@ FinalError final_error(const StepContext& context, const State& a, const State& 
                        ahead.along_normal * (across.norm() + (along - lasting).norm() + radius * over.norm());
   if (!(error < infinity && grown < infinity)) return {infinity};
   const double now = std::max(error, grown), size = std::min(ahead.growth * now, now + ahead.sweep), growth = now > 0 ? size / now : 1;
-  if (body.dashpots()) return {size};  // a coarser run lags behind by the same again and again, which does not add up
+  if (body.dashpots()) return {size};  // a coarser run lags by the same amount again and again, which does not add up
   return {size, 0, growth * (ahead.along_plane * lasting + ahead.along_normal * (velocity - lasting)),
           growth * radius * (ahead.along_plane * (spin - over) + ahead.along_normal * over)};
 }

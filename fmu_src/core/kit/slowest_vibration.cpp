@@ -25,7 +25,7 @@ double SlowestVibration::memory(const Body& body, double longest) {
 double SlowestVibration::find(const Body& body, double longest) {
   if (!room_) room_ = std::make_unique<Room>(lattice_);
   auto& [rest, mode, force, diagonal, matrix] = *room_;
-  const double slight = 1 / (longest * longest);  // what is slower lasts longer
+  const double slight = 1 / (longest * longest);  // slower vibrations last longer
   diagonal = slight * body.mass;
   assemble(body, rest, {}, diagonal, matrix);
   matrix.factor();

@@ -1,4 +1,4 @@
-/// How long a body that pins hold remembers what moves it, by its slowest vibrations.
+/// How long a body that pins hold remembers a disturbance, by its slowest vibrations.
 #pragma once
 #include <memory>
 
@@ -11,9 +11,9 @@ class SlowestVibration {
  public:
   explicit SlowestVibration(const Lattice& lattice) : lattice_(lattice) {}
 
-  /// Time in which its damping takes 1 / e of a pinned body's slowest vibration about the rest shape, or of its creep [s]; `longest` if it
-  /// is longer, as it is without damping. Inverse iteration from uniform motion along each axis, for each version of the body once: a
-  /// frequency by Rayleigh's quotient, a little too high.
+  /// Time in which damping takes the slowest vibration of a pinned body about the rest shape, or its creep, to 1 / e [s]; `longest` if that
+  /// time is longer, as without damping. Inverse iteration from uniform motion along each axis, once for each version of the body; the
+  /// frequency is a Rayleigh quotient, a little too high.
   double memory(const Body& body, double longest);
 
  private:

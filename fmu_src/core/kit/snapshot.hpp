@@ -15,9 +15,9 @@ class [[nodiscard]] Snapshot {
   Snapshot(const Snapshot&) = delete;
   Snapshot& operator=(const Snapshot&) = delete;
 
-  /// What follows stays.
+  /// Keeps the changes: the destructor does not restore the snapshot.
   void commit() { open_ = false; }
-  /// To try once more.
+  /// Restores the snapshot, for another trial.
   void rollback() { assign(part_, before_); }
   const Part& before() const { return before_; }
 

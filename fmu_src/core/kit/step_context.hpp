@@ -1,4 +1,4 @@
-/// The communication step at hand.
+/// The current communication step: what is asked for, and the model, drive and run that take part.
 #pragma once
 #include <cmath>
 
@@ -15,7 +15,7 @@ struct Request {
   double step = 0;          ///< internal step [s]; 0: by stability and tolerance
   double horizon = 1;       ///< length of the run [s], over which errors add up
   bool jolt = false;        ///< the outside forces have jumped since the last communication step
-  double step_factor = 1;   ///< of the internal step that would be taken otherwise
+  double step_factor = 1;   ///< factor of the internal step that would be taken otherwise
 };
 
 struct StepContext {
@@ -27,7 +27,7 @@ struct StepContext {
   Equations equations() const { return {model.body, drive}; }
 };
 
-/// Of a work that cannot be: not a number where the state has gone astray.
+/// Status of a forecast of work that is refused; not_finite if the work is NaN because the state has gone astray.
 inline StepStatus refusal(double work) { return std::isnan(work) ? StepStatus::not_finite : StepStatus::too_much_work; }
 
 }  // namespace softffd

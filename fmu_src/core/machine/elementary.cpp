@@ -7,13 +7,13 @@ namespace softffd {
 
 namespace {
 
-/// high + low, where low is what rounding left out of high. T. J. Dekker, "A floating-point technique for extending the available
+/// The number high + low, where low is the rounding error of high. T. J. Dekker, "A floating-point technique for extending the available
 /// precision", 1971.
 struct Twofold {
   double high, low = 0;
 };
 
-/// |a| >= |b|, or a = 0.
+/// Returns a + b with its rounding error. Requires |a| >= |b|, or a = 0.
 Twofold sum(double a, double b) {
   const double high = a + b;
   return {high, b - (high - a)};
@@ -24,7 +24,7 @@ Twofold times(const Twofold& a, const Twofold& b) {
   return sum(high, std::fma(a.high, b.high, -high) + (a.high * b.low + a.low * b.high));
 }
 
-/// 1 + x t / n, by which series go from their last term to their first.
+/// Returns 1 + x t / n. With this step a series is summed from its last term to its first.
 Twofold step(const Twofold& x, const Twofold& t, double n) {
   const Twofold product = times(x, t);
   const double ratio = product.high / n, left = (std::fma(-ratio, n, product.high) + product.low) / n;
@@ -35,7 +35,7 @@ Twofold step(const Twofold& x, const Twofold& t, double n) {
 constexpr Twofold half_pi{1.5707963267948966, 6.123233995736766e-17};
 constexpr double half_pi_rest = -1.4973849048591833e-33;
 
-/// cos d (odd = 0) and sin d / d (odd = 1), |d| <= pi / 4.
+/// Returns cos d (odd = 0) or sin d / d (odd = 1), |d| <= pi / 4.
 Twofold even_series(const Twofold& d, int odd) {
   const Twofold square = times(d, d);
   Twofold t{1};
@@ -61,7 +61,7 @@ double cos_to_pi(double angle) {
 }
 
 double hypotenuse(double a, double b) {
-  if (a == 0 || b == 0 || !std::isfinite(a) || !std::isfinite(b)) return std::hypot(a, b);  // one of them, or no finite number
+  if (a == 0 || b == 0 || !std::isfinite(a) || !std::isfinite(b)) return std::hypot(a, b);  // one of them is 0 or not finite
   const double large = std::max(std::abs(a), std::abs(b)), small = std::min(std::abs(a), std::abs(b));
   const int exponent = std::ilogb(large);
   const Twofold x{std::scalbn(large, -exponent)}, y{std::scalbn(small, -exponent)}, xx = times(x, x), yy = times(y, y);

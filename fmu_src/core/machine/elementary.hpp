@@ -1,16 +1,16 @@
-/// exp, cos and hypot with the same bits on every platform; those of C libraries differ in the last one.
+/// exp, cos and hypot with the same bits on every platform; those of C libraries differ in the last bit.
 ///
-/// Only operations that IEEE 754 fixes: numbers are sums high + low of two doubles, and what is left out lies 20 digits and more behind the
-/// first. So nearly every result is the double nearest to the exact one; for damped kicks and books, which need few of them.
+/// They use only operations that IEEE 754 fixes. Numbers are sums high + low of two doubles; the error lies 20 digits and more behind the
+/// first, so that nearly every result is the double nearest to the exact one. For damped kicks and energy accounts, which need few.
 #pragma once
 
 namespace softffd {
 
-/// e^-z; z: 0 to 40. [1]
+/// Returns e^-z; z: 0 to 40 [1].
 double exp_minus(double z);
-/// angle: 0 to pi [rad].
+/// Returns the cosine of an angle of 0 to pi [rad].
 double cos_to_pi(double angle);
-/// sqrt(a^2 + b^2), without overflow.
+/// Returns sqrt(a^2 + b^2), without overflow.
 double hypotenuse(double a, double b);
 
 }  // namespace softffd

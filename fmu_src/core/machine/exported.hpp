@@ -1,4 +1,4 @@
-/// Marks what the Python package calls of the library beside the functions of the standards.
+/// Marks the functions of the library that the Python package calls, beside the functions of the standards.
 #pragma once
 
 #ifdef _WIN32

@@ -1,9 +1,9 @@
-/// Loops compiled for several instruction sets, of which the processor's own runs: chosen when the library is loaded, the same way with
-/// every compiler. Included by the files of vectorised loops alone.
+/// Compiles loops for several instruction sets. The version for the processor at hand is chosen when the library is loaded, in the same
+/// way with every compiler. Included only by files with vectorised loops.
 #pragma once
 
-// The inner loops are functions of their own: only there does the compiler believe that the arrays do not overlap. They are inlined into a
-// function for each instruction set.
+// The inner loops are functions of their own, because only there does the compiler believe that the arrays do not overlap. The functions
+// are inlined into one function for each instruction set.
 #define INLINED __attribute__((always_inline))
 #define INNER static inline INLINED
 
@@ -24,17 +24,18 @@ using Out = double* __restrict;
 
 enum class Instructions { baseline, avx2, avx512 };
 
-/// What processor and system allow. Asked here, because what compilers offer for it is not in every toolchain's run-time library.
+/// Returns the instruction set that processor and system allow. The processor is asked directly, because the functions that compilers
+/// offer for this are not in the run-time library of every toolchain.
 inline Instructions allowed() {
   unsigned a = 0, b = 0, c = 0, d = 0, saved = 0, above = 0;
   if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE)) return Instructions::baseline;
-  __asm__("xgetbv" : "=a"(saved), "=d"(above) : "c"(0));  // the registers that the system keeps for each thread
+  __asm__("xgetbv" : "=a"(saved), "=d"(above) : "c"(0));  // the registers that the system saves for each thread
   const unsigned middle = 0x06, wide = 0xe6;
   if ((saved & middle) != middle || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & bit_AVX2)) return Instructions::baseline;
   return (saved & wide) == wide && (b & bit_AVX512F) ? Instructions::avx512 : Instructions::avx2;
 }
 
-/// The widest, and at most what the environment variable SOFTFFD_INSTRUCTIONS names: "baseline" or "avx2".
+/// Returns the widest instruction set allowed, at most that in the environment variable SOFTFFD_INSTRUCTIONS: "baseline" or "avx2".
 inline Instructions instructions() {
   static const Instructions widest = [] {
     const char* named = std::getenv("SOFTFFD_INSTRUCTIONS");
@@ -55,7 +56,7 @@ struct Compiled<loop> {
   __attribute__((target("avx512f"))) static Result avx512(A... a) { return loop(a...); }
 };
 
-/// The loop for this processor; for wider instruction sets it may be another one.
+/// Returns the loop compiled for this processor. The wider instruction sets may have another loop.
 template <auto loop, auto avx2 = loop, auto avx512 = avx2>
 auto chosen() {
   switch (instructions()) {

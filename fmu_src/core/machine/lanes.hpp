@@ -1,5 +1,5 @@
-/// A few numbers side by side, in the compiler's own vector type: as many as a register holds. No operation mixes lanes, so the bits are
-/// the same for any number. Included by the files of vectorised loops alone.
+/// As many numbers as a register holds (lanes), in the compiler's own vector type. No operation mixes lanes, so the bits of the results
+/// do not depend on the number of lanes. Included only by files with vectorised loops.
 #pragma once
 #include <cmath>
 #include <cstring>
@@ -40,11 +40,11 @@ INNER Lanes<n> square_root(const Lanes<n>& v) {
 #endif
 }
 
-/// What a comparison gives: -1 or 0 in each lane.
+/// Result of a comparison: -1 (true) or 0 (false) in each lane.
 template <int n>
 using Comparison = decltype(Lanes<n>{} < Lanes<n>{});
 
-/// All bits of the lanes.
+/// Returns the bits of all lanes combined by `or`.
 template <int n>
 INNER unsigned joined(const Comparison<n>& lanes) {
   if constexpr (n == 1) {
@@ -56,8 +56,8 @@ INNER unsigned joined(const Comparison<n>& lanes) {
   }
 }
 
-/// Bit i: whether a comparison holds in lane i. Of a register's lanes that is one instruction, for which compilers take ten where they are
-/// not told.
+/// Returns a number whose bit i says whether a comparison holds in lane i. For a whole register this takes one instruction; compilers
+/// take ten without the special cases below.
 template <int n>
 INNER unsigned bits(const Comparison<n>& holds) {
 #if defined(__clang__)
@@ -82,7 +82,7 @@ INNER unsigned bits(const Comparison<n>& holds) {
   return joined<n>(holds & bit);
 }
 
-/// Three coordinates side by side.
+/// Three coordinates of a vector in each lane.
 template <int n>
 struct Triple {
   Lanes<n> x{}, y{}, z{};

@@ -1,5 +1,5 @@
-/// Threads that share a loop with the one that runs it, piece by piece, each piece once: team_threads.cpp. Where the target has no threads,
-/// the one that asks does all: team_single.cpp. What a piece does must not depend on who does it.
+/// Threads that share the pieces of a loop with the calling thread; each piece is done once (team_threads.cpp). On a target without
+/// threads the calling thread does all pieces (team_single.cpp). The result of a piece must not depend on the thread that does it.
 #pragma once
 #include <memory>
 
@@ -7,14 +7,14 @@ namespace softffd {
 
 class Team {
  public:
-  /// members: >= 1, with the thread that asks. Where the system gives fewer threads, those do the work.
+  /// members: number of threads with the calling one, >= 1. If the system gives fewer threads, those do all the work.
   explicit Team(int members);
   ~Team();
   Team(const Team&) = delete;
   Team& operator=(const Team&) = delete;
 
   int members() const { return members_; }
-  /// act(0) ... act(members() - 1), which must not throw; they have happened when this returns. For one thread at a time.
+  /// Calls act(0) ... act(members() - 1), which must not throw, and returns when all calls have ended. For one calling thread at a time.
   template <class Act>
   void share(const Act& act) {
     run({[](const void* of, int piece) { (*static_cast<const Act*>(of))(piece); }, &act});

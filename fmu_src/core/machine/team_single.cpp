@@ -1,4 +1,4 @@
-/// A team where the target has no threads: there are no helpers, and the one that asks does piece after piece.
+/// A team on a target without threads: there are no helpers, and the calling thread does one piece after the other.
 #include "machine/team.hpp"
 
 namespace softffd {

@@ -1,11 +1,12 @@
 /// A team of threads:
 ///
-///      the one that asks:   new round | own piece | pieces that nobody has begun | wait for the others' | on with the step
+///      calling thread:      new round | own piece | pieces that nobody has begun | wait for the others' | on with the step
 ///      a helper:            ... wait  | own piece | pieces that nobody has begun | wait ...
 ///
-/// Whoever comes first takes a piece, its own before others': a helper that the system lets wait costs nothing, and in the child of a fork,
-/// which has no helpers, the one that asks does all. Between two rounds helpers spin for half a millisecond, most of it letting others run,
-/// and then sleep. They have the floating-point environment that results assume, and no signal is delivered to them.
+/// A piece is taken by the first thread that comes to it; a thread takes its own piece before others. A helper that the system lets wait
+/// thus costs nothing, and in the child of a fork, which has no helpers, the calling thread does all pieces. Between two rounds helpers
+/// spin for half a millisecond, most of it yielding to other threads, and then sleep. Helpers have the floating-point environment that
+/// results assume, and no signal is delivered to them.
 #include <atomic>
 #include <cfenv>
 #include <exception>
@@ -23,9 +24,10 @@ namespace softffd {
 
 namespace {
 
-/// Looks at what another thread will change: some 50 microseconds, many times what the parts of a step differ by. Then some that let
-/// others run in between, half a millisecond: as long as many hosts take from one communication step to the next. Who sleeps wakes up late:
-/// with 12^3 points and each internal step a communication step two threads took 1.25 of the time of one, and take 0.83.
+/// looks: tests of a value that another thread will change, some 50 microseconds; the parts of a step differ by much less. patient_looks:
+/// further tests, with a yield to other threads after each, half a millisecond: as long as many hosts take from one communication step to
+/// the next. A thread that sleeps wakes up late: with 12^3 points and each internal step a communication step, two threads take 0.83
+/// times the time of one thread, and 1.25 times without `patient_looks` (measured).
 constexpr int looks = 2000, patient_looks = 1000;
 
 void pause() {
@@ -51,7 +53,7 @@ long this_process() { return 0; }
 struct SignalsBlocked {};
 #else
 long this_process() { return getpid(); }
-/// For the threads that are made meanwhile.
+/// Blocks all signals for the threads that are made during its lifetime.
 struct SignalsBlocked {
   SignalsBlocked() {
     sigset_t all;
@@ -71,11 +73,11 @@ struct Team::Helpers {
     [[maybe_unused]] const SignalsBlocked blocked;
     try {
       for (int own = 1; own < members; ++own) threads->emplace_back([this, own] { help(own); });
-    } catch (const std::exception&) {  // no more to be had
+    } catch (const std::exception&) {  // the system gives no more threads
     }
   }
   ~Helpers() {
-    if (process != this_process()) {  // the child of a fork: nobody to wait for
+    if (process != this_process()) {  // the child of a fork has no threads to wait for
       static_cast<void>(threads.release());
       return;
     }
@@ -94,7 +96,7 @@ struct Team::Helpers {
     take_pieces(0, next);
     while (const int others = left.load(std::memory_order_acquire)) await_change(left, others);
   }
-  /// A helper that comes late to a round finds all its pieces begun, and does not look at the context.
+  /// A helper that comes late to a round finds all pieces of the round begun, and does not read `job`.
   void take_pieces(int own, unsigned of_round) {
     for (int n = 0; n < members(); ++n) {
       const int piece = (own + n) % members();
@@ -117,7 +119,7 @@ struct Team::Helpers {
 
   static constexpr int cache_line = 64;
   struct alignas(cache_line) Piece {
-    std::atomic<unsigned> round{0};  ///< in which it was begun last
+    std::atomic<unsigned> round{0};  ///< round in which the piece was begun last
   };
   std::vector<Piece> pieces;
   StepContext job{};
@@ -125,7 +127,7 @@ struct Team::Helpers {
   alignas(cache_line) std::atomic<int> left{0};  ///< pieces of the round that have not ended
   std::atomic<bool> over{false};
   std::unique_ptr<std::vector<std::thread>> threads;
-  long process;  ///< in which the threads are
+  long process;  ///< process in which the threads are
 };
 
 Team::Team(int members) : members_(members), helpers_(std::make_unique<Helpers>(members)) {}

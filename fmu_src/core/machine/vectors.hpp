@@ -1,11 +1,11 @@
-/// Vectors in space, a few side by side: the operations of geometry on Triple, with the order of sums that Eigen has for one vector.
+/// Geometric operations on Triple, that is on one vector in space in each lane, with the order of sums that Eigen has for one vector.
 #pragma once
 #include "machine/lanes.hpp"
 
 namespace softffd::kernels {
 
-/// A vector that is the same in all lanes. Its operations are of a number with a register, which processors have; a register filled with
-/// the number first is filled lane by lane by some compilers.
+/// A vector that is the same in all lanes. Its operations combine a number with a register, for which processors have instructions. Some
+/// compilers would fill a register with the number lane by lane first.
 struct Uniform {
   double x, y, z;
 };
@@ -18,7 +18,7 @@ template <int n>
 INNER Triple<n> operator-(const Triple<n>& a, const Triple<n>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-/// factor: a number, or one for each lane.
+/// factor: one number, or one number for each lane.
 template <class Factor, int n>
 INNER Triple<n> operator*(const Factor& factor, const Triple<n>& a) {
   return {factor * a.x, factor * a.y, factor * a.z};
@@ -47,7 +47,7 @@ template <int n>
 INNER Lanes<n> dot(const Uniform& a, const Triple<n>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-/// Of two, either of which may be uniform.
+/// Returns the cross product a x b in each lane. a: a Triple or a Uniform.
 template <class A, int n>
 INNER Triple<n> cross(const A& a, const Triple<n>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -56,7 +56,7 @@ template <int n>
 INNER Lanes<n> length(const Triple<n>& a) {
   return square_root<n>(dot(a, a));
 }
-/// Lane by lane one of two.
+/// Returns `yes` where the condition holds, otherwise `no`, in each lane.
 template <class Condition, int n>
 INNER Triple<n> choose(const Condition& condition, const Triple<n>& yes, const Triple<n>& no) {
   return {condition ? yes.x : no.x, condition ? yes.y : no.y, condition ? yes.z : no.z};

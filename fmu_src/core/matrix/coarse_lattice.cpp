@@ -6,21 +6,21 @@ namespace softffd {
 
 namespace {
 
-/// Points from node to node, where the coarse matrix's layers do not get too wide. Measured on 16 x 16 x 16: 27 iterations, 20 with 2,
-/// whose coarse matrix takes seven times the time.
+/// Smallest spacing of the nodes along an axis, in points; larger where layers of the coarse matrix would be wider than `widest`. Measured
+/// on 16 x 16 x 16: spacing 3 takes 27 iterations; spacing 2 takes 20, but its coarse matrix takes seven times the time.
 constexpr int least_spacing = 3;
-/// Control points in a layer of the coarse matrix at most: of 8 x 8 x 8 a solution takes as long as a product with 16 x 16 x 16.
+/// Largest number of nodes in a layer of the coarse matrix: a solution on 8 x 8 x 8 takes as long as a matrix product on 16 x 16 x 16.
 constexpr int widest = 64;
 
-constexpr int neighbours = 27;  ///< of a node, itself among them
+constexpr int neighbours = 27;  ///< of a node, including the node itself
 constexpr int code(int i, int j, int k) { return i + 3 * (j + 3 * k); }
 
-/// Coordinates of one axis of an array of outer x n x inner values.
+/// An array of outer x n x inner values; `gather` and `spread` work along its middle axis.
 struct Shape {
   int outer, n, inner;
 };
 
-/// nodes = P^T points along an axis, of `count` nodes.
+/// Restriction along one axis with `count` nodes: nodes = P^T points.
 void gather(const Shape& shape, int count, const int* cell, const double* share, const double* points, double* nodes) {
   std::fill_n(nodes, std::size_t(shape.outer) * count * shape.inner, 0.0);
   for (int o = 0; o < shape.outer; ++o, nodes += count * shape.inner)
@@ -32,7 +32,7 @@ void gather(const Shape& shape, int count, const int* cell, const double* share,
     }
 }
 
-/// points = P nodes along an axis, or points += P nodes.
+/// Prolongation along one axis with `count` nodes: points = P nodes, or points += P nodes if `add`.
 template <bool add>
 void spread(const Shape& shape, int count, const int* cell, const double* share, const double* nodes, double* points) {
   for (int o = 0; o < shape.outer; ++o, nodes += count * shape.inner)
@@ -90,7 +90,7 @@ void CoarseLattice::weigh_points() {
   first_.push_back(int(weights_.size()));
 }
 
-/// Of the blocks (p, q) and (q, p) the first.
+/// Adds the contribution of the block (p, q) to products_. The contribution of the block (q, p) is its mirror image, which `factor` adds.
 void CoarseLattice::add_pair(int p, int q, const Mat3& block) {
   for (int i = first_[p]; i < first_[p + 1]; ++i) {
     const Weight& here = weights_[i];

@@ -9,7 +9,7 @@ namespace softffd {
 
 namespace {
 
-/// sum = x + c y; sum may be either.
+/// sum = x + c y; sum may be x or y.
 void add(const Points& x, double c, const Points& y, Points& sum) {
   const double* array = y.data();
   kernels::combine(x.size(), x.data(), 1, &c, &array, sum.data());
@@ -26,7 +26,7 @@ void ConjugateGradients::prepare() {
   coarse_.factor(matrix);
 }
 
-/// By cofactors; NaN where a block is not positive definite.
+/// Inverts the diagonal blocks by their cofactors; the inverse is NaN if a block is not positive definite.
 void ConjugateGradients::invert_blocks() {
   const int n = int(residual_.rows());
   const double* s = matrix.diagonal().data();

@@ -1,15 +1,16 @@
-/// Symmetric positive definite matrices of lattices that are too wide for a factor (dissected_matrix.hpp): preconditioned conjugate
-/// gradients (Hestenes & Stiefel 1952).
+/// Preconditioned conjugate gradients (Hestenes & Stiefel 1952) for symmetric positive definite matrices of lattices that are too wide for
+/// a factor (dissected_matrix.hpp).
 ///
-/// A = M/g^2 + D/g + K has rigid motions that a stiff body resists by its masses alone, (omega g)^2 times less than its fastest
-/// vibrations. The preconditioner adds two solutions, that of the 3 x 3 blocks on the diagonal and that of a coarse lattice
-/// (coarse_lattice.hpp), to which all slow motions belong: 25 to 50 iterations whatever the stiffness, where the blocks alone take 300.
+/// In A = M/g^2 + D/g + K only the masses resist rigid motions; in a stiff body they do so (omega g)^2 times less than the body resists
+/// its fastest vibrations. The preconditioner adds two solutions: one with the 3 x 3 blocks on the diagonal, one with a coarse lattice
+/// (coarse_lattice.hpp), which contains all slow motions. It takes 25 to 50 iterations whatever the stiffness; the blocks alone take 300.
 ///
-/// It is over when the estimate r^T z of the error's energy norm has come down to `accuracy` of the solution's. `exact` is as good as a
-/// factor for all that steps are used for: as A >= M/g^2, positions err by no more than so much of what they move.
+/// The iteration ends when the estimate r^T z of the error's energy norm has fallen to the fraction `accuracy` of that of the solution.
+/// For all uses in a step, `exact` is as good as a factor: because A >= M/g^2, positions err by no more than this fraction of their
+/// displacement.
 ///
-/// A direction without positive curvature shows that the matrix is not positive definite: the result is NaN then, as with a factor, and
-/// those who solve take less of what makes it indefinite. So it is where `most` iterations do not do.
+/// If a search direction has no positive curvature, the matrix is not positive definite. The result is then NaN, as with a factor, and
+/// callers reduce the part that makes the matrix indefinite. The result is also NaN if `most` iterations are not enough.
 #pragma once
 #include "matrix/coarse_lattice.hpp"
 #include "matrix/stencil_matrix.hpp"
@@ -19,14 +20,14 @@ namespace softffd {
 class ConjugateGradients {
  public:
   static constexpr double exact = 1e-10;
-  static constexpr int most = 400, usual = 30;  ///< iterations
+  static constexpr int most = 400, usual = 30;  ///< largest and usual number of iterations
 
   explicit ConjugateGradients(const Lattice& lattice);
 
   StencilMatrix matrix;
-  /// To be called when the matrix has changed.
+  /// Prepares the preconditioner; call when the matrix has changed.
   void prepare();
-  /// b <- A^-1 b, (points, 3). Returns the iterations that it took.
+  /// b <- A^-1 b, (points, 3). Returns the number of iterations.
   int solve(Points& b, double accuracy);
 
  private:
@@ -34,7 +35,7 @@ class ConjugateGradients {
   void precondition();
 
   CoarseLattice coarse_;
-  Scalars inverse_;  ///< of the blocks on the diagonal, as xx yy zz xy xz yz, each (points)
+  Scalars inverse_;  ///< inverses of the blocks on the diagonal, as xx yy zz xy xz yz, each (points)
   Points residual_, direction_, product_, preconditioned_;
 };
 

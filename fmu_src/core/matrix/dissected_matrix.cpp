@@ -27,7 +27,7 @@ DissectedMatrix::DissectedMatrix(const Lattice& lattice) : order_(lattice), firs
   int unknowns = 0, longest = 0;
   for (const auto& front : order_.fronts()) {
     const int own = padded(3 * front.own), rows = own + padded(3 * front.boundary());
-    const std::size_t stride = rows % 64 ? rows : rows + width;  // keeps columns off each other's cache sets
+    const std::size_t stride = rows % 64 ? rows : rows + width;  // prevents columns from sharing cache sets
     blocks_.push_back({own, rows, stride, values, 0, unknowns});
     for (int row = 0; row < front.own; ++row) first_[front.points[row]] = unknowns + 3 * row;
     values += own * stride;
@@ -35,7 +35,7 @@ DissectedMatrix::DissectedMatrix(const Lattice& lattice) : order_(lattice), firs
     longest = std::max(longest, rows);
   }
   std::size_t left = 0;
-  for (int f = int(blocks_.size()) - 1; f >= 0; --f) {  // what a front leaves stands behind what its parent gathers
+  for (int f = int(blocks_.size()) - 1; f >= 0; --f) {  // the update matrix of a front is stored behind its parent's
     const int parent = order_.fronts()[f].parent;
     const auto size = [&](int front) {
       return std::size_t(blocks_[front].rows - blocks_[front].own) * (blocks_[front].rows - blocks_[front].own);
@@ -56,7 +56,7 @@ void DissectedMatrix::clear() {
     double* columns = values_.get() + block.columns;
     for (int j = 0; j < block.own; ++j) {
       double* column = columns + j * block.stride;
-      std::fill(column + j / width * width, column + block.rows, 0.0);  // what is above the diagonal's panel has no meaning
+      std::fill(column + j / width * width, column + block.rows, 0.0);  // entries above the diagonal's panel have no meaning
     }
     for (int i = 3 * order_.fronts()[f].own; i < block.own; ++i) columns[i * block.stride + i] = 1;
   }
@@ -109,7 +109,7 @@ void DissectedMatrix::add_to_parent(const Dissection::Front& front, const Block&
     }
 }
 
-/// A front's unknowns side by side.
+/// Copies the own unknowns and the boundary unknowns of a front side by side into `local`; the padding is 0.
 template <int sides>
 void DissectedMatrix::take(const Dissection::Front& front, const Block& block, const double* unknowns, double* local) const {
   std::copy_n(unknowns + block.first * sides, block.own * sides, local);

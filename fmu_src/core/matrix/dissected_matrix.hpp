@@ -1,16 +1,17 @@
-/// Symmetric positive definite matrices of the lattice and their Cholesky factor, front by front (dissection.hpp): the multifrontal method
-/// (Duff & Reid 1983).
+/// Symmetric positive definite matrices of the lattice and their Cholesky factor by the multifrontal method (Duff & Reid 1983), front by
+/// front (dissection.hpp).
 ///
-/// A front has three unknowns a row. The columns of its own rows are stored, and in them all rows of the front: what the matrix has there,
-/// and in the end the factor. What a front then leaves for its boundary, a dense lower triangle, is added to the columns of its parent and
-/// to what that leaves:
+/// A row of a front has three unknowns. A front stores the columns of its own rows, each with all rows of the front: at first the entries
+/// of the matrix, in the end the factor. Elimination leaves an update matrix for the boundary, a dense lower triangle (`left`), which is
+/// added to the columns of the parent and to the update matrix of the parent:
 ///
 ///          own        boundary
 ///        [ L         ]               own rows and boundary rows are padded to a multiple of eight, own ones with ones on the diagonal
-///        [ L     left ]              left -= L L^T, then it is the parent's
+///        [ L     left ]              left -= L L^T, then left is added to the parent
 ///
-/// Of n x n x n points a factor takes 80 to 110 n^6 multiplications, where layer after layer it would be 30 n^7 (springs) and 280 n^7
-/// (solids, three planes at a time), and 80 to 90 n^4 numbers. The loops are panels.hpp's: same bits on every instruction set.
+/// For n x n x n points a factor takes 80 to 110 n^6 multiplications and stores 80 to 90 n^4 numbers. Elimination layer by layer would
+/// take 30 n^7 multiplications (springs) or 280 n^7 (solids, three planes at a time). The loops (panels.hpp) give the same bits on every
+/// instruction set.
 #pragma once
 #include <memory>
 #include <span>
@@ -23,13 +24,13 @@ namespace softffd {
 
 class DissectedMatrix {
  public:
-  /// Memory is taken here and first touched by `clear`.
+  /// Allocates the memory, which `clear` is the first to touch.
   explicit DissectedMatrix(const Lattice& lattice);
 
   void clear();
-  /// Of two points that meet, or of one. One triangle alone is stored: the block of (p, q) is that of (q, p), turned over.
+  /// Returns the block of two coupled points, or of one. Only one triangle is stored: block (p, q) is the transpose of block (q, p).
   Mat3 block(int p, int q) const;
-  /// Of two points; or of one, then symmetric.
+  /// Sets the block of two coupled points, or the symmetric block of one point.
   void set_block(int p, int q, const Mat3& block) {
     visit(p, q, [&](int a, int b, double& entry) { entry = block(a, b); });
   }
@@ -37,12 +38,12 @@ class DissectedMatrix {
     visit(p, q, [&](int a, int b, double& entry) { entry += block(a, b); });
   }
 
-  /// Cholesky factor in place. Of a matrix that is not positive definite to rounding it has NaN in it.
+  /// Computes the Cholesky factor in place. The factor contains NaN if the matrix is not positive definite to rounding.
   void factor();
   /// b <- A^-1 b, (points, 3), with the factor.
   void solve(Points& b);
-  /// The same for up to `together` right sides, whose bits do not depend on which ones come together. Fronts that none of them acts on are
-  /// passed over on the way up.
+  /// The same for up to `together` right-hand sides; their bits do not depend on which sides are solved together. The forward substitution
+  /// skips a front if its own values are zero in all sides.
   static constexpr std::size_t together = 8;
   void solve_together(std::span<Points* const> sides);
 
@@ -51,20 +52,20 @@ class DissectedMatrix {
     void operator()(double* values) const;
   };
   using Values = std::unique_ptr<double[], Free>;
-  /// Where a front's numbers are.
+  /// Where the numbers of a front are stored.
   struct Block {
-    int own, rows;        ///< unknowns with padding
+    int own, rows;        ///< numbers of unknowns, with padding
     std::size_t stride;   ///< between columns
-    std::size_t columns;  ///< in values_
-    std::size_t left;     ///< in left_; its columns are rows - own apart
-    int first;            ///< of its own unknowns among all
+    std::size_t columns;  ///< start in values_
+    std::size_t left;     ///< start in left_; columns there are rows - own apart
+    int first;            ///< index of its first own unknown among all
   };
   static Values taken(std::size_t count);
-  /// First unknown of a row.
+  /// Returns the first unknown of a row, counted within the front.
   static int unknown(const Dissection::Front& front, const Block& block, int row) {
     return row < front.own ? 3 * row : block.own + 3 * (row - front.own);
   }
-  /// Of two points, or of one: where its rows begin in the columns of the point that leaves first.
+  /// Returns where the block of two points, or of one, begins in the columns of the point that is eliminated first.
   double* entries(int of_columns, int of_rows) const {
     const int f = order_.front(of_columns);
     const Dissection::Front& front = order_.fronts()[f];
@@ -72,7 +73,7 @@ class DissectedMatrix {
     const int row = order_.front(of_rows) == f ? order_.row(of_rows) : order_.row(front, of_rows);
     return values_.get() + block.columns + 3 * order_.row(of_columns) * block.stride + unknown(front, block, row);
   }
-  /// All nine entries of a block; of one point both halves, of which the lower one has a meaning.
+  /// Visits all nine entries of a block. The block of one point has entries in both triangles, of which the lower ones have a meaning.
   template <class Visit>
   void visit(int p, int q, Visit visit) const {
     if (first_[p] < first_[q]) {
@@ -97,11 +98,11 @@ class DissectedMatrix {
 
   Dissection order_;
   std::vector<Block> blocks_;  ///< of each front
-  std::vector<int> first_;     ///< (points) of a point's unknowns among all
+  std::vector<int> first_;     ///< (points) index of a point's first unknown among all
   Values values_, left_;
   Scalars inverse_diagonal_;                ///< (own unknowns of all fronts)
-  Scalars unknowns_, local_;                ///< of one right side: in the order of leaving; of a front
-  Scalars unknowns_of_all_, local_of_all_;  ///< of `together`, side by side, from the first time on that they are wanted
+  Scalars unknowns_, local_;                ///< of one right-hand side: in the order of elimination; of a front
+  Scalars unknowns_of_all_, local_of_all_;  ///< of `together` sides, side by side; allocated at first use
 };
 
 }  // namespace softffd

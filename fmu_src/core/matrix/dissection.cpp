@@ -7,9 +7,9 @@ namespace softffd {
 
 namespace {
 
-/// A box of so many points is a front: smaller ones save multiplications and cost more in calls than they save.
+/// A box of at most this many points becomes one front. Smaller fronts would save fewer multiplications than their calls cost.
 constexpr int smallest = 24;
-/// A solid is cut between its patches alone.
+/// Spacing of the planes along which a solid is cut: they are the planes between its patches.
 constexpr int patch = 3;
 
 }  // namespace
@@ -23,7 +23,8 @@ Dissection::Dissection(const Lattice& lattice) : lattice_(lattice), place_(latti
   order_boundaries();
 }
 
-/// The plane nearest to the middle of the longest axis that has one inside the box. Of axes as long the last.
+/// Finds the plane nearest to the middle of the longest axis that has a plane inside the box; of equally long axes the last one counts.
+/// Returns false if the box is not to be cut.
 bool Dissection::find_cut(const Box& box, int& axis, int& plane) const {
   if (!lattice_.lobatto && box.points() <= smallest) return false;
   int longest = 0;
@@ -48,7 +49,7 @@ void Dissection::dissect(const Box& box) {
   add_front(between, box);
 }
 
-/// What leaves a box with or after all others in it meets what lies around the box.
+/// Adds the front of the points `own`, which are eliminated last in the box `around`. The boundary consists of the points next to that box.
 void Dissection::add_front(const Box& own, const Box& around) {
   Front front{.own = own.points()};
   Box wide = around;

@@ -1,5 +1,5 @@
-/// The generalised minimal residual method (Saad & Schultz 1986) for small, not symmetric systems that are only known by what they do to
-/// a vector.
+/// The generalised minimal residual method (Saad & Schultz 1986) for small nonsymmetric systems whose matrix is known only by its product
+/// with a vector.
 #pragma once
 #include <array>
 #include <cmath>
@@ -10,13 +10,14 @@ namespace softffd {
 
 class Gmres {
  public:
-  static constexpr int most = 8;  ///< products with the matrix
+  static constexpr int most = 8;  ///< largest number of products with the matrix
 
   explicit Gmres(int unknowns) : y_(unknowns) {
     for (Scalars& v : basis_) v.resize(unknowns);
   }
 
-  /// y with |A y - b| <= reduction |b|, or the best after `most` products; apply(v, Av) computes A v. The first n entries of vectors count.
+  /// Returns y with |A y - b| <= reduction |b|, or the best y after `most` products; apply(v, Av) computes A v. Only the first n entries
+  /// of vectors count.
   template <class Apply>
   const Scalars& solve(int n, const Scalars& b, double reduction, Apply apply) {
     const double size = norm(n, b);
@@ -49,7 +50,7 @@ class Gmres {
     a = first;
   }
 
-  /// Makes the last product orthogonal to the basis and brings its column to triangular form. Returns false if it brings nothing new.
+  /// Makes the last product orthogonal to the basis and its column triangular. Returns false if the new diagonal entry is zero.
   bool orthogonalise(int n, int j) {
     Scalars& next = basis_[j + 1];
     auto& column = columns_[j];
@@ -81,7 +82,7 @@ class Gmres {
   }
 
   std::array<Scalars, most + 1> basis_;
-  std::array<std::array<double, most + 1>, most> columns_;  ///< of the Hessenberg matrix, made triangular
+  std::array<std::array<double, most + 1>, most> columns_;  ///< columns of the Hessenberg matrix, brought to triangular form
   std::array<double, most + 1> right_;
   std::array<double, most> cosine_, sine_, weight_;
   Scalars y_;

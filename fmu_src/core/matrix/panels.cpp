@@ -8,7 +8,7 @@ namespace softffd::kernels {
 
 namespace loops {
 
-/// Two columns c -= four columns a times the values at s, s + stride, ...: few enough to stay in registers.
+/// Subtracts from two columns c four columns a times the values at s, s + stride, ...: few enough to stay in registers.
 INNER void subtract_four(int n, std::size_t stride, const double* a, const double* s, Out c0, Out c1) {
   In a0 = a, a1 = a + stride, a2 = a + 2 * stride, a3 = a + 3 * stride;
   const double p0 = s[0], p1 = s[stride], p2 = s[2 * stride], p3 = s[3 * stride];
@@ -25,7 +25,8 @@ INNER void subtract_products(int blocks, int count, std::size_t stride, const do
     for (int j = 0; j < block; j += 2) subtract_four(n, stride, a, a + j, c + j * c_stride, c + (j + 1) * c_stride);
 }
 
-/// The same sums where eight registers of n numbers and four more are at hand: n rows of c stay in them while the columns go by.
+/// The same sums for machines with eight registers of n numbers and four more: n rows of c stay in registers throughout the loop over
+/// columns.
 template <int n>
 INNER void subtract_from_tile(int count, std::size_t stride, const double* a, const double* s, std::size_t c_stride, double* c) {
   Lanes<n> sums[block];
@@ -99,7 +100,7 @@ INNER void solve_lower(int columns, int rows, std::size_t stride, const double* 
   }
 }
 
-/// s -= products of four columns with y, in eight partial sums each, n of them in a register.
+/// s -= products of four columns with y. Each product is summed in eight partial sums, n of them in a register.
 template <int n>
 INNER void subtract_multiplied(int blocks, std::size_t stride, const double* l, const double* y, double* s) {
   Lanes<n> parts[4][block / n] = {};
@@ -133,7 +134,7 @@ INNER void solve_upper(int columns, int rows, std::size_t stride, const double* 
   }
 }
 
-/// Right sides side by side, n of them in a register.
+/// The same for `block` right-hand sides side by side, n of them in a register.
 template <int n>
 INNER void solve_lower_together(int columns, int rows, std::size_t stride, const double* l, const double* inverse, double* y) {
   for (int j = 0; j < columns; j += block)

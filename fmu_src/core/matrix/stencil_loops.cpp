@@ -6,7 +6,7 @@ namespace softffd::kernels {
 
 namespace loops {
 
-/// Rows of three, each as far from the next as `row` says.
+/// y += B x with 3 x 3 matrices B, of which rows are `row` entries apart and columns `column` entries.
 INNER void add_three(int n, std::size_t lanes, std::size_t row, std::size_t column, In b, In x0, In x1, In x2, Out y0, Out y1, Out y2) {
   In b00 = b, b01 = b + column * lanes, b02 = b + 2 * column * lanes;
   In b10 = b00 + row * lanes, b11 = b01 + row * lanes, b12 = b02 + row * lanes;

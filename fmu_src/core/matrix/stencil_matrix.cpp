@@ -8,7 +8,7 @@ namespace softffd {
 
 namespace {
 
-/// Points whose products are made in one go: blocks of a direction stay in the first cache between both ends.
+/// Number of points in one pass of a product: the blocks of a direction stay in the first cache until both of its products are done.
 constexpr int tile = 256;
 
 }  // namespace

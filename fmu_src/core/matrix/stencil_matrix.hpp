@@ -1,8 +1,8 @@
-/// Symmetric matrices of the lattice by what is not zero in them: a 3 x 3 block for every point and for every pair of points within a cell.
+/// Sparse symmetric matrices of the lattice: a 3 x 3 block for every point and for every pair of points within a cell.
 ///
-/// The 13 directions to neighbours of higher index are rows of lanes, as the springs' are: lane p of a direction holds the block between
-/// point p and point p + offset, so that a product runs along memory. Takes 984 bytes a point, 4 MB for 16 x 16 x 16. Where a lattice is
-/// so narrow that directions have one offset, the first of them has what is between such points.
+/// Each of the 13 directions to neighbours of higher index is a row of lanes, as for the springs: lane p of a direction holds the block
+/// between point p and point p + offset, so that a product runs along memory. A matrix takes 984 bytes per point, 4 MB for 16 x 16 x 16.
+/// If a lattice is so narrow that several directions have the same offset, the first of them holds the blocks of such pairs.
 #pragma once
 #include <array>
 #include <vector>
@@ -18,7 +18,7 @@ class StencilMatrix {
 
   void clear();
   Mat3 block(int p, int q) const;
-  /// Of two points; or of one, then symmetric.
+  /// Sets the block of two points within a cell, or the symmetric block of one point.
   void set_block(int p, int q, const Mat3& block);
   void add_block(int p, int q, const Mat3& block);
 
@@ -27,7 +27,7 @@ class StencilMatrix {
   /// Blocks of the diagonal as xx yy zz xy xz yz, each (points).
   const Scalars& diagonal() const { return diagonal_; }
 
-  /// Calls visit(p, q, block) for every pair p < q that has one.
+  /// Calls visit(p, q, block) for every pair p < q with a block that is not zero.
   template <class Visit>
   void visit_couplings(Visit visit) const {
     for (std::size_t d = 0; d < offsets_.size(); ++d)

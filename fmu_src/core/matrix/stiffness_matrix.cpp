@@ -4,7 +4,7 @@ namespace softffd {
 
 namespace {
 
-/// What couples points that are not pinned.
+/// Adds only the blocks that couple points that are not pinned.
 struct FreeBlocks final : BlockSink {
   FreeBlocks(const std::vector<bool>& pinned, LatticeMatrix& matrix) : pinned(pinned), matrix(matrix) {}
   void add(int p, int q, const Mat3& block) override {

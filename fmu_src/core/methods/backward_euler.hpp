@@ -1,5 +1,5 @@
-/// Implicit steps with exact contact (contact/implicit/implicit_contact.hpp) as methods: steps that are long beside a stiff body's
-/// vibrations, of first order and of second.
+/// Implicit steps with exact contact (contact/implicit/implicit_contact.hpp) as methods of first and of second order, for steps that are
+/// long compared with the vibrations of a stiff body.
 #pragma once
 #include "contact/implicit/implicit_contact.hpp"
 #include "methods/integrator.hpp"
@@ -9,10 +9,10 @@ namespace softffd {
 
 class BackwardEuler final : public Integrator {
  public:
-  /// samples: of the surface, where planes meet it.
+  /// samples: of the surface, which planes meet; null: planes meet the control points.
   BackwardEuler(const Lattice& lattice, int planes, int pins, const Samples* samples)
       : contact_(lattice, planes, pins, samples), implicit_(lattice) {}
-  /// not_finite: a step found no solution, or not within the span's work.
+  /// The status is not_finite if a step found no solution, or none within the work of the span.
   Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run) override {
     return advance(Method::backward_euler, model, drive, span, run);
   }
@@ -27,7 +27,7 @@ class BackwardEuler final : public Integrator {
   Count version_ = -1;  ///< of the body
 };
 
-/// By the same matrices.
+/// The method of second order, which uses the matrices of BackwardEuler.
 class Sdirk2 final : public Integrator {
  public:
   explicit Sdirk2(BackwardEuler& euler) : euler_(euler) {}

@@ -20,11 +20,12 @@ struct Decay {
   double e, mean;  ///< exp(-z) and (1 - exp(-z)) / z
 };
 
-/// Above this exp(-z) is zero; below this the series of (1 - exp(-z)) / z ends with the given term, its error below rounding.
+/// Above `vanished`, exp(-z) counts as zero. Up to `near_zero`, the series of (1 - exp(-z)) / z may end with the given term: its error is
+/// below rounding.
 constexpr double vanished = 1000, near_zero = 0.25;
 constexpr int last_term = 13;
 
-/// By a series near zero and doubling; the C library's exponential differs in the last bit between processors.
+/// Uses a series near zero and doubling, because the exponential of the C library differs in the last bit between processors.
 Decay decay(double z) {
   if (z > vanished) return {0, 1 / z};
   int doublings = 0;
@@ -69,7 +70,7 @@ void Bm4::kick(const Equations& equations, int k, double t, State& state) {
   const Points& force = equations.outside(t, outside_);
   const auto apply = [&](const KickCoefficients& c, Points& v) { c.apply(state.spring, force, v); };
   if (!ledger_.recording()) return apply(kicks_[k], state.v);
-  equations.place_pins(t, state.x, state.v);  // damping takes from the pinned points' present motion too
+  equations.place_pins(t, state.x, state.v);  // damping also takes energy from the present motion of pinned points
   const double tau = kick_shares[k] * h_;
   ledger_.stage(equations, tau, t, state.x, state.spring);
   ledger_.damp(equations, tau / 6, state.x, state.v);
@@ -91,7 +92,7 @@ Outcome Bm4::advance(const Model& model, const Drive& drive, const Span& span, R
   return {.work = double(span.steps) * traits(Method::bm4).work};
 }
 
-/// Steps of which nothing is asked between forces and drift: each pair of a kick and a drift is one pass.
+/// Takes steps for which nothing is needed between forces and drift: each pair of a kick and a drift is one fused pass.
 void Bm4::glide(const Equations& equations, const Span& span, State& state) {
   const auto& [body, around] = equations;
   kicks_[order[0]].apply(state.spring, around.force, state.v);

@@ -1,7 +1,7 @@
-/// BM4: the symplectic Runge-Kutta-Nystrom splitting SRKN6 of Blanes and Moan (2002), order 4, six force evaluations a step, symmetric.
+/// BM4: the symplectic Runge-Kutta-Nystrom splitting SRKN6 of Blanes and Moan (2002), order 4, six force evaluations per step, symmetric.
 ///
-/// Kicks and drifts alternate; time advances with the drifts, so that forces and pins given over time keep the order. Damping goes
-/// into the kicks by its exact flow, v <- E v + (1 - E) f/d with E = exp(-d b h / m).
+/// Kicks and drifts alternate. Time advances with the drifts, so that time-dependent forces and pins keep the order. Damping is part of
+/// the kicks by its exact flow, v <- E v + (1 - E) f/d with E = exp(-d b h / m).
 #pragma once
 #include <vector>
 

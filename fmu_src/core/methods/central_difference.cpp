@@ -8,7 +8,7 @@ namespace softffd {
 
 namespace {
 
-/// Eq. (11): the position one step back that gives the velocity and acceleration at hand.
+/// Eq. (11): computes the position one step back that yields the present velocity and acceleration.
 void start(const Body& body, const Points& force, double h, State& state) {
   Points& previous = state.previous.change();
   for (int axis = 0; axis < 3; ++axis) {
@@ -19,7 +19,7 @@ void start(const Body& body, const Points& force, double h, State& state) {
   state.previous_h = h;
 }
 
-/// Eq. (14) to (17) for one point and plane at time t: returns the impulse on the point, zero if there is no contact.
+/// Applies eq. (14) to (17) to one point and plane at time t. Returns the impulse on the point [N s]; zero without contact.
 Vec3 collide(double friction, const HalfSpace& now, double inertia, double h, const Vec3& x, const Vec3& previous, Vec3& next) {
   if (now.gap(x) >= 0) return Vec3::Zero();
   const Vec3& n = now.normal;

@@ -7,17 +7,17 @@ namespace softffd {
 
 namespace {
 
-/// Length of a half kick times the fastest rate of damping up to which one explicit step of it is stable.
+/// Largest product of half-kick length and fastest damping rate for which one explicit step of the half kick is stable [1].
 constexpr double explicit_kick = 2;
 
-/// What a kick from velocities v0 to v gave a pinned point [N s].
+/// Returns a function of point p: the impulse that a kick from velocities v0 to v gave this pinned point [N s].
 auto kicked_by(const StepView& step, const Points& v0, const Points& v) {
   return [&](int p) { return Vec3(step.body.mass[p] * (row(v, p) - row(v0, p))); };
 }
 
 bool losses(const Drive& around) { return around.watch && !around.damping_unwatched; }
 
-/// Kinetic energy of the points that no pin holds, at velocities v0 less that at v1 [J].
+/// Returns the kinetic energy that the points that are not pinned lose from velocities v0 to v1 [J].
 double slowed(const Body& body, const Points& v0, const Points& v1) {
   double energy = 0;
   for (int axis = 0; axis < 3; ++axis)
@@ -26,7 +26,7 @@ double slowed(const Body& body, const Points& v0, const Points& v1) {
   return energy;
 }
 
-/// Work in half a step of forces on those points that go by v1 in place of v0 [J].
+/// Returns how much more work the forces on these points do in half a step if the points move with v1 instead of v0 [J].
 double more_work(const StepView& step, const Points& spring, const Points& v0, const Points& v1) {
   double work = 0;
   for (int axis = 0; axis < 3; ++axis)
@@ -119,7 +119,8 @@ StepStatus DampedLeapfrog::open(const StepView& view, PhysicalState& physical) {
   return status;
 }
 
-/// Where a point has landed dashpots felt it from then on: the drift's mean velocity tells when.
+/// If a point lands, the dashpots feel the landing from then on. Their velocities are therefore chosen so that the mean of these and the
+/// velocities after the opening kick is the mean velocity of the drift.
 StepStatus DampedLeapfrog::close(const StepView& view, PhysicalState& physical) {
   State& state = physical.motion;
   Exchange& exchange = physical.exchange;
@@ -143,7 +144,7 @@ StepStatus DampedLeapfrog::close(const StepView& view, PhysicalState& physical) 
   }
   kick(view, state, held, true, exchange);
   kick_parts(view, state.free, kicked_by(view, before_, state.v));
-  const auto impulse = [&](int p, const Vec3& v) {  // the kick found it with the velocity of the frame
+  const auto impulse = [&](int p, const Vec3& v) {  // the kick began with the velocity of the frame
     return Vec3(view.body.mass[p] * ((row(before_, p) - row(middle_, p)) + (v - row(state.v, p))));
   };
   close_pins(view, middle_, impulse, state.v, pins_, exchange);
@@ -163,10 +164,11 @@ void DampedLeapfrog::prepare_kick(const StepView& view, const State& state, cons
   view.body.add_dashpot_force(state.x, rates, inner_, drift);
 }
 
-/// By forces that the kick is to know: may anything rest on an obstacle?
+/// True if something may rest on an obstacle, held by forces that the kick has to contain.
 bool DampedLeapfrog::is_held(const PhysicalState& physical) const { return resolved_ && (!surface_ || surface_->lasts(physical.surface)); }
 
-/// The forces that hold points are the contact's: their work is none of the kick's.
+/// Applies a half kick from before_; `held`: with the reactions of obstacles. The loss of the kick does not contain the work of the
+/// reactions, which is booked with the contact.
 void DampedLeapfrog::kick(const StepView& view, State& state, bool held, bool drifted, Exchange& exchange) {
   if (held) acting_ = view.force + reactions_.forces();
   kick_.apply(view.body, state.x, inner_, held ? acting_ : view.force, before_, state.v);

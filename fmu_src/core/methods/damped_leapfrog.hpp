@@ -1,13 +1,13 @@
-/// Leapfrog of a body with internal damping: half kicks with the dashpots in them (body/damped_kick.hpp) around a drift; second order for
-/// any damping, stable for the same steps as without. Its fixed points are those of the equations: rest, and rest on obstacles.
+/// Leapfrog for a body with internal damping: half kicks that contain the dashpots (body/damped_kick.hpp) around a drift. It is of second
+/// order for any damping and stable for the same steps as without. Its fixed points are those of the equations: rest, also on obstacles.
 ///
-/// A body that turns drifts along its tangents, so that every spring grows by the square of the angle; the springs' own forces bring it
-/// back at the next kick, unless dashpots hold it. The dashpots therefore go by the mean rate over the drift, the opening kick by that
-/// ahead, the closing one by that behind,
+/// The points of a turning body drift along tangents, so that every spring grows by the square of the angle. The forces of the springs
+/// bring the length back at the next kick, unless dashpots hold it. The dashpots therefore use the mean rate of length over a drift, the
+/// opening kick over the drift ahead, the closing kick over the drift behind,
 ///
 ///      (|d + h w| - |d|) / h  =  w along d  +  h/2 (w across d)^2 / |d|:
 ///
-/// the difference cancels to second order in h, and where dashpots are strong a body that turns keeps its size.
+/// the difference cancels to second order in h, and a turning body keeps its size even where dashpots are strong.
 #pragma once
 #include <memory>
 
@@ -26,25 +26,25 @@ class DampedLeapfrog {
   StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, PhysicalState& physical);
   StepStatus open(const StepView& view, PhysicalState& physical);
   StepStatus close(const StepView& view, PhysicalState& physical);
-  /// The forces at the beginning of a kick, of dashpots by these velocities. drift: the time of the drift after it, or less than 0 of the
-  /// one before it.
+  /// Computes the forces at the beginning of a kick, with the dashpots at velocities `rates`. drift: duration of the drift that follows
+  /// the kick [s], or minus the duration of the drift before the kick.
   void prepare_kick(const StepView& view, const State& state, const Points& rates, double drift);
   bool is_held(const PhysicalState& physical) const;
-  /// From before_, with the reactions of obstacles where there are any.
   Count impacts() const { return surface_ ? surface_->impacts() : contact_.impacts(); }
+  /// Half kick from before_, with the reactions of obstacles if `held`. drifted: the kick follows the drift.
   void kick(const StepView& view, State& state, bool held, bool drifted, Exchange& exchange);
 
-  HalfKicks masses_;  ///< what the contact rule asks of kicks
+  HalfKicks masses_;  ///< masses by which the contact rule converts velocities to impulses
   DampedKick kick_;
   Contact contact_;
-  PinImpulses pins_;  ///< of what pins give their points
+  PinImpulses pins_;  ///< impulses of pins on their points
   Reactions reactions_;
   std::unique_ptr<SurfaceContact> surface_;  ///< for bodies with samples of their surface
-  bool lands_ = false;                       ///< a point comes onto an obstacle in this step
-  bool resolved_ = false;                    ///< kicks are so short that the forces at their beginning tell the reactions
+  bool lands_ = false;                       ///< a point lands on an obstacle in this step
+  bool resolved_ = false;                    ///< kicks are short enough that the forces at their beginning determine the reactions
   Points before_, middle_, next_;            ///< velocities before a half kick and after the drift, positions after it
-  Points drift_;                             ///< by which points have moved in it
-  Points kicked_, rates_;                    ///< velocities after a half kick with the reactions; those that the dashpots go by
+  Points drift_;                             ///< displacements in the drift [m]
+  Points kicked_, rates_;                    ///< velocities after a half kick with the reactions; velocities for the dashpots
   Points force_, inner_, acting_;            ///< outside forces now; forces of springs and dashpots; outside forces with the reactions
 };
 

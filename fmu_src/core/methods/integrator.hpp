@@ -1,4 +1,4 @@
-/// The one shape of all methods. A new one is a file here, a row in traits.cpp, its place in kit/integrators.cpp and in the test list.
+/// The interface of all methods. A new method is a file here, a row in traits.cpp, an entry in kit/integrators.cpp and in the test list.
 #pragma once
 #include "body/equations.hpp"
 #include "body/model.hpp"
@@ -9,15 +9,15 @@ namespace softffd {
 
 struct Outcome {
   StepStatus status = StepStatus::ok;
-  double error = 0;   ///< estimated, of the largest step [m]; 0 without error control
-  double work = 0;    ///< in evaluations of the spring forces, by which methods are compared
-  double spent = 0;   ///< of the budget, where that is more than the work
-  Count impacts = 0;  ///< points that came onto an obstacle
-  double given = 0;   ///< energy that obstacles and pins gave, less what friction and free bodies lost; implicit contact alone says so [J]
-  Slip slip{};        ///< of the last step's contacts; implicit contact alone says so
-  Count constraints = 0;  ///< what touches at the end, and what of it slides: another number where another set; implicit contact alone
-  double lost = 0;        ///< energy that the steps took beyond dampers and friction; sdirk2 alone [J]
-  double bend = 0;        ///< by how much the velocities bend within the last step, as a way [m]; sdirk2 alone
+  double error = 0;       ///< largest estimated error of a step [m]; 0 without error control
+  double work = 0;        ///< by which methods are compared, in evaluations of the spring forces
+  double spent = 0;       ///< work taken from the budget, if more than `work`
+  Count impacts = 0;      ///< number of points that landed on an obstacle
+  double given = 0;       ///< energy from obstacles and pins, minus what friction and free bodies lost [J]; implicit contact only
+  Slip slip{};            ///< of the contacts in the last step; implicit contact only
+  Count constraints = 0;  ///< identifies the contacts at the end and which of them slide; implicit contact only
+  double lost = 0;        ///< energy that the steps took beyond damping and friction [J]; sdirk2 only
+  double bend = 0;        ///< largest bend of the velocities within a step, as a displacement [m]; sdirk2 only
 };
 
 class Integrator {

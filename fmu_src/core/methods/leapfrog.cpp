@@ -9,31 +9,33 @@ namespace softffd {
 
 namespace {
 
-/// Of the forces on a point in half a step, at this velocity [N s].
+/// Returns the impulse of the forces on a point in half a step, with damping at velocity v [N s].
 Vec3 kick_of(const StepView& step, int p, const Vec3& v) {
   return 0.5 * step.h * (row(step.spring, p) + row(step.force, p) - step.body.damping[p] * v);
 }
 
-/// That takes a pinned point from one velocity to the next beyond the forces in half a step, of which damping goes by `damped` [N s].
+/// Returns the impulse that takes a pinned point from one velocity to the other in addition to the forces in half a step, with their
+/// damping at velocity `damped` [N s].
 Vec3 beyond_kick(const StepView& step, int p, const Vec3& from, const Vec3& to, const Vec3& damped) {
   return step.body.mass[p] * (to - from) - kick_of(step, p, damped);
 }
 
-/// Energy that damping takes in a step from velocities v0 to v1. Its impulse on a point is -(d h/2) (v0 + v1), through contact too, so its
-/// work is -d h |(v0 + v1) / 2|^2 exactly.
+/// Returns the energy that point damping takes in a step from velocities v0 to v1 [J]. The impulse of damping on a point is
+/// -(d h/2) (v0 + v1), through contact too, so that its work is exactly -d h |(v0 + v1) / 2|^2.
 double damping_loss(const Body& body, double h, const Points& v0, const Points& v1) {
   double loss = 0;
   for (int axis = 0; axis < 3; ++axis) loss += (body.damping * (0.5 * (v0.col(axis) + v1.col(axis))).square()).sum();
   return h * loss;
 }
 
-/// Is what damping takes to be booked?
+/// True if the energy that damping takes is to be booked.
 bool losses(const Body& body, const Drive& around) { return around.watch && body.damped && !around.damping_unwatched; }
 
-/// Steps for which what lies between kicks is kept of a block that has touched a plane: looking it up costs as much as some ten of them.
+/// Number of steps for which the state between kicks is kept for a block that has touched a plane: recomputing it costs as much as some
+/// ten of these steps.
 constexpr Count keep_for = 100;
 
-/// Is what ramped forces or damping do in a step to be booked?
+/// True if the work of ramped forces or of damping in a step is to be booked.
 bool booked(const Body& body, const Drive& around) { return around.watch && (around.ramped || losses(body, around)); }
 
 }  // namespace
@@ -79,7 +81,7 @@ Outcome Leapfrog::advance(const Model& model, const Drive& drive, const Span& sp
   return outcome;
 }
 
-/// Steps of which nothing is asked between their forces and the next drift: each but the first and the last is one pass.
+/// Takes steps for which nothing is needed between forces and the next drift: each step but the first and last is one fused pass.
 void Leapfrog::glide(const Body& body, const Drive& around, const Span& span, State& state) {
   const Points& force = around.ramped ? force_ : around.force;
   const Stage stage = kicks_.stage(around.even);
@@ -116,7 +118,7 @@ StepStatus Leapfrog::run_steps(const Body& body, const Drive& around, const Span
   return status == StepStatus::ok ? close(view(span.steps - 1), physical) : status;
 }
 
-/// Up to the end of the drift.
+/// Takes a step up to the end of its drift.
 StepStatus Leapfrog::open(const StepView& view, PhysicalState& physical) {
   State& state = physical.motion;
   Exchange& exchange = physical.exchange;
@@ -141,7 +143,7 @@ StepStatus Leapfrog::open(const StepView& view, PhysicalState& physical) {
   return StepStatus::ok;
 }
 
-/// From there to the end of the step.
+/// Takes a step from the end of its drift to the end of the step.
 StepStatus Leapfrog::close(const StepView& view, PhysicalState& physical) {
   State& state = physical.motion;
   Exchange& exchange = physical.exchange;
@@ -167,7 +169,7 @@ StepStatus Leapfrog::close(const StepView& view, PhysicalState& physical) {
   return StepStatus::ok;
 }
 
-/// After the drift.
+/// Computes the forces after the drift, with dashpots at velocities that are carried on to the end of the step.
 void Leapfrog::renew_forces(const StepView& view, State& state) {
   const Body& body = view.body;
   if (!body.dashpots()) return body.internal_force(state.x, state.spring);
@@ -182,13 +184,13 @@ void Leapfrog::renew_forces(const StepView& view, State& state) {
   take_dashpots(body, state, carried_);
 }
 
-/// With velocities v.
+/// Sets forces_ to the forces of springs and dashpots, the latter at velocities v.
 void Leapfrog::take_dashpots(const Body& body, const State& state, const Points& v) {
   forces_ = state.spring;
   body.add_dashpot_force(state.x, v, forces_);
 }
 
-/// What the dashpots' impulse takes in half a step from velocities v0 to those of the state [J].
+/// Returns the energy that the dashpots take in half a step from velocities v0 to the velocities of the state [J].
 double Leapfrog::dashpot_loss(const StepView& view, const State& state, const Points& v0) const {
   return view.body.dashpots() ? -0.25 * view.h * ((forces_ - state.spring) * (v0 + state.v)).sum() : 0;
 }
@@ -210,7 +212,7 @@ void Leapfrog::each_found(const See& see) {
       if (*at++) see(until);
 }
 
-/// Were the points found in the step before too, and what lies between is kept of their blocks for so many steps more?
+/// True if the points found are those of the step before, and the state between kicks is kept for their blocks for `steps` more steps.
 bool Leapfrog::lasts(Count steps) const { return !surface_ && contact_.same() && any_until_ >= step_ + steps; }
 
 StepStatus Leapfrog::position_stage(const StepView& view, PhysicalState& physical) {
@@ -220,11 +222,11 @@ StepStatus Leapfrog::position_stage(const StepView& view, PhysicalState& physica
                   : contact_.drift(view, before_, physical.motion.v, next_, physical.exchange);
 }
 
-/// The end of a step and the next one up to the end of its drift, in one pass over all points; those that touch a plane are corrected.
-/// That takes what lies between: it is kept of blocks of points that have touched one of late.
+/// Takes the end of a step and the next step up to the end of its drift in one pass over all points, then corrects the points that touch a
+/// plane. The correction needs the state between the two kicks, which is kept for blocks of points that have touched a plane of late.
 StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, PhysicalState& physical) {
   State& state = physical.motion;
-  if (surface_ && surface_->touched()) {  // which moves all points
+  if (surface_ && surface_->touched()) {  // the closing stage moves all points
     const StepStatus status = close(last, physical);
     return status == StepStatus::ok ? open(next, physical) : status;
   }
@@ -243,7 +245,7 @@ StepStatus Leapfrog::close_and_open(const StepView& last, const StepView& next, 
   return status;
 }
 
-/// What lies between, of the blocks of which it was not kept.
+/// Recomputes the state between the two kicks for blocks for which it was not kept.
 void Leapfrog::recall(const StepView& last, State& state) {
   last.body.internal_force(state.x, state.spring);
   closed_ = before_;

@@ -1,14 +1,14 @@
 /// Leapfrog (velocity Verlet): the central difference of Xia & Wang 2009, eq. (13), written in velocities, which keeps the digits that the
 /// recurrence in positions loses to round-off; second order, symplectic without damping, one force evaluation per step.
 ///
-/// Where there are no obstacles, internal damping that is not strong is evaluated once a step, after the forces f, at velocities carried on
-/// from the middle of the step to its end,
+/// Without obstacles, internal damping that is not strong is evaluated once per step, after the forces f, at velocities that are carried
+/// on from the middle of the step to its end,
 ///
-///      v1 = v + (v - v0) + (h / 2) (f1 - f0) / m,
+///      v1 = v + (v - v0) + (h / 2) (f1 - f0) / m.
 ///
-/// which err by what is of second order, and by the damping alone: a vibration decays as it should. The next step begins with these
-/// dashpots, a span with those of the velocities themselves. Of a vibration that decays with the rate r such steps are stable for
-/// omega h <= 2, as without damping, while r h <= 1. Otherwise DampedLeapfrog takes over.
+/// The error of these velocities is of second order and due to the damping alone: a vibration decays as it should. The next step begins
+/// with these dashpot forces, a span with the dashpot forces at the velocities themselves. For a vibration that decays with the rate r
+/// such steps are stable for omega h <= 2, as without damping, while r h <= 1. Otherwise DampedLeapfrog takes over.
 #pragma once
 #include <memory>
 
@@ -40,14 +40,14 @@ class Leapfrog final : public Integrator {
 
   HalfKicks kicks_;
   Contact contact_;
-  PinImpulses pins_;              ///< of what pins give their points
+  PinImpulses pins_;              ///< impulses of pins on their points
   Points before_, start_, next_;  ///< velocities before a half kick and before the step, positions after the drift
-  Points force_;                  ///< outside forces now, where they ramp
-  Points forces_, carried_;       ///< of the energies with their dashpots, and the velocities that these go by; empty without
-  Points closed_;                 ///< velocities after the closing kick, where they were not kept
+  Points force_;                  ///< present outside forces, if they ramp
+  Points forces_, carried_;       ///< forces of springs and dashpots, and velocities for the dashpots; empty without dashpots
+  Points closed_;                 ///< velocities after the closing kick, for blocks that did not keep them
   Count step_ = 0;
-  std::vector<Count> keep_until_;            ///< (blocks) step up to which what lies between kicks is kept
-  Count any_until_ = -1;                     ///< of any
+  std::vector<Count> keep_until_;            ///< (blocks) step up to which the state between kicks is kept
+  Count any_until_ = -1;                     ///< the largest of these
   std::unique_ptr<SurfaceContact> surface_;  ///< for bodies with samples of their surface
   std::unique_ptr<DampedLeapfrog> damped_;   ///< for bodies with internal damping; most have none
 };

@@ -33,7 +33,7 @@ void OneStep::keep(const Model& model, Run& run) {
 Outcome OneStep::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
   Outcome outcome;
   for (Count i = 0; i < span.steps; ++i) {
-    run.control.factored.h = 0;  // nobody looks at the error of a given step: an old factor could spoil it
+    run.control.factored.h = 0;  // the error of a given step is not checked: an old factor could spoil the step
     const Outcome step = offer(model, drive, span.time(i), span.h, run);
     keep(model, run);
     outcome.error = worse(outcome.error, step.error);

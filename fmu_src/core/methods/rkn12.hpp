@@ -1,5 +1,5 @@
-/// RKN12(10): the Runge-Kutta-Nystrom pair of Dormand, El-Mikkawy and Prince (1987) for x'' = a(t, x), 17 stages. Bodies without damping
-/// only: stages have no velocity.
+/// RKN12(10): the Runge-Kutta-Nystrom pair of Dormand, El-Mikkawy and Prince (1987) for x'' = a(t, x), 17 stages. The stages have no
+/// velocity, so that the method is for bodies without damping only.
 #pragma once
 #include "methods/runge_kutta.hpp"
 

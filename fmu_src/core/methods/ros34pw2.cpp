@@ -26,7 +26,7 @@ constexpr std::array<Row, stages> c{{{0, 0, 0, 0},
 constexpr Row time{0, 0.871733043016918, 0.7315799577888524, 1};
 constexpr Row time_gamma{0.435866521508459, -0.435866521508459, -0.4133333762338865, 0};
 constexpr Row m{4.1847604823191595, -0.28519201735549565, 2.2942803602790414, 1.0};
-constexpr Row e{0.2777499476479681, -1.4032398951759992, 1.7726301276675507, 0.5};  // m less that of the embedded method of order 2
+constexpr Row e{0.2777499476479681, -1.4032398951759992, 1.7726301276675507, 0.5};  // m minus the weights of the embedded method of order 2
 
 /// Weights b of the stages' slopes f + J U: the solution of b^T (I/gamma - c) = m^T, from the last stage to the first.
 constexpr Row slope_weights() {
@@ -110,7 +110,7 @@ bool Ros34pw2::pins_move(const Equations& equations, double t, double h) {
   return true;
 }
 
-/// |R(iy)| of the stability function R(z) = (1 + p1 z + p2 z^2 + p3 z^3) / (1 - gamma z)^4, which is exp(z) to third order.
+/// Returns |R(iy)| of the stability function R(z) = (1 + p1 z + p2 z^2 + p3 z^3) / (1 - gamma z)^4, which is exp(z) to third order.
 double Ros34pw2::kept(double y) {
   constexpr double p1 = 1 - 4 * gamma, p2 = 0.5 - 4 * gamma + 6 * gamma * gamma,
                    p3 = 1.0 / 6 - 2 * gamma + 6 * gamma * gamma - 4 * gamma * gamma * gamma;
@@ -130,7 +130,7 @@ Outcome Ros34pw2::attempt_in(const Equations& equations, double t, double h, Run
   });
 }
 
-/// The spin that the outside torques have given the body from this state on, in the place of the step's.
+/// Corrects the spin at the end of the step: the angular momentum becomes that of `state` plus the impulse of the outside torques.
 void Ros34pw2::turn_by_torques(const Body& body, const State& state) {
   const RigidMotion before = rigid_motion(body.mass, state.x, state.v), now = rigid_motion(body.mass, x, v);
   const Vec3 lacking = now.inverse_inertia * (before.angular_momentum + given_ - now.angular_momentum);
@@ -189,7 +189,7 @@ double Ros34pw2::attempt(const Equations& equations, double t, double h, const S
   return worse(position, velocity_size(error_));
 }
 
-/// What they add to the right at the stage at hand.
+/// Adds the terms of the dashpots at the present stage to the right-hand side.
 void Ros34pw2::add_dashpots(const Body& body, Points& right) {
   correction_.setZero();
   body.add_dashpot_force(stage_x_, stage_v_, correction_);
@@ -198,8 +198,8 @@ void Ros34pw2::add_dashpots(const Body& body, Points& right) {
   right += free_ * correction_;
 }
 
-/// With the spring forces as the slopes f + J U have them: in long steps those at the stages are not close to the solution's, and so the
-/// pins receive what the free points lose, to rounding.
+/// Records the spring forces that the slopes f + J U contain. In long steps the forces at the stages are not close to those of the
+/// solution; with the forces of the slopes the pins receive what the free points lose, to rounding.
 void Ros34pw2::record_stage(const Equations& equations, double weight, double at, double ahead, int i) {
   if (!equations.around.pins.empty()) {
     outside_ = x_[i] + ahead * pin_velocity_;
@@ -215,7 +215,7 @@ void Ros34pw2::record_stage(const Equations& equations, double weight, double at
   ledger.stage(equations, weight, at, stage_x_, spring_);
 }
 
-/// Velocities at the stages are no better: damping goes by Simpson's rule over the cubic through both ends.
+/// Velocities at the stages are no closer to the solution: the loss by damping is Simpson's rule over the cubic through both ends.
 void Ros34pw2::record_ends(const Equations& equations, double t, double h, const State& state) {
   ledger.ends(equations, t, state.x, state.v, t + h, x, v);
   stage_v_ = (1.5 / h) * (x - state.x) - 0.25 * (state.v + v);

@@ -13,11 +13,11 @@ double combined(double third, double fifth) {
   return scale > 0 ? fifth * fifth / scale : scale;
 }
 
-/// Sum of weighted slopes on a base.
+/// Collects weighted slopes and adds their sum to a base.
 class Terms {
  public:
   void add(double weight, const Points& slope) { weight_[count_] = weight, slope_[count_++] = slope.data(); }
-  /// Those with a weight of zero cost nothing.
+  /// Skips slopes with a weight of zero.
   void add(double scale, const double* w, const std::vector<Points>& slopes, int count) {
     for (int j = 0; j < count; ++j)
       if (w[j] != 0) add(scale * w[j], slopes[j]);
@@ -81,7 +81,8 @@ void RungeKutta::record(const Step& step, int stage, double at, const Points& po
   if (!tableau_.nystroem) ledger.damp(step.equations, step.h * share, position, v_[stage]);
 }
 
-/// out = base + the motion that the first `count` stages make by the weights w; ahead: [s] with the velocity at the start.
+/// out = base + the displacement by the first `count` stages with the weights w. ahead: time for which the velocity at the start acts, in
+/// Nystroem methods [s].
 void RungeKutta::add_to_positions(const Step& step, const Points& base, double ahead, const double* w, int count, Points& out) const {
   Terms terms;
   if (!tableau_.nystroem) {

@@ -1,16 +1,15 @@
-/// The explicit Runge-Kutta methods: one step of any tableau (tableaus.hpp), its error and what it exchanges with the outside.
+/// The explicit Runge-Kutta methods: one step of any tableau (tableaus.hpp), its error and its exchange with the outside.
 ///
 /// For x' = v, v' = a(t, x, v) a stage has two slopes, its velocity and its acceleration:
 ///
 ///      x_i = x + h sum a_ij v_j,      v_i = v + h sum a_ij a_j,      a_i = a(t + c_i h, x_i, v_i).
 ///
-/// The methods after Nystroem take the accelerations twice instead and have no velocities at the stages, so that they are for undamped
-/// bodies only:
+/// Nystroem methods integrate the accelerations twice instead. Their stages have no velocities, so that they are for undamped bodies only:
 ///
 ///      x_i = x + c_i h v + h^2 sum a_ij a_j,      a_i = a(t + c_i h, x_i).
 ///
-/// The error is that of the embedded method. Where there are two, of orders 5 and 3, Hairer's combination e5^2 / sqrt(e5^2 + e3^2 / 100)
-/// is of order 7 where both are small and safe where the fifth-order one fails.
+/// The error is that of the embedded method. If there are two embedded methods, of orders 5 and 3, Hairer's combination
+/// e5^2 / sqrt(e5^2 + e3^2 / 100) is of order 7 where both errors are small, and safe where the fifth-order one fails.
 #pragma once
 #include <vector>
 

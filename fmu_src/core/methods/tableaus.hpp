@@ -1,11 +1,11 @@
-/// Coefficients of the explicit Runge-Kutta methods with an embedded error, as runge_kutta.hpp takes them.
+/// Coefficients of the explicit Runge-Kutta methods with an embedded error estimate, for runge_kutta.hpp.
 #pragma once
 #include <array>
 
 namespace softffd {
 
 struct Tableau {
-  /// What positions and velocities take of the stages' slopes, (stages) each.
+  /// Weights of the stages' slopes in positions and velocities, (stages) each.
   struct Weights {
     const double *positions, *velocities;
   };
@@ -13,12 +13,12 @@ struct Tableau {
 
   int stages;
   int controller_exponent;              ///< order of the embedded method + 1
-  bool nystroem;                        ///< for x'' = a(t, x): positions take the accelerations, velocities at the stages do not exist
+  bool nystroem;                        ///< for x'' = a(t, x): positions use the accelerations, stages have no velocities
   const double* c;                      ///< times of the stages, (stages)
-  const double* a;                      ///< what stage i takes of those before it begins at i (i - 1) / 2
-  Weights b;                            ///< the result's
-  Weights error;                        ///< less those of the embedded method
-  const double* safer_error = nullptr;  ///< of a second embedded method, of lower order; none: nullptr
+  const double* a;                      ///< weights of earlier stages; those of stage i begin at i (i - 1) / 2
+  Weights b;                            ///< of the result
+  Weights error;                        ///< weights of the result minus those of the embedded method
+  const double* safer_error = nullptr;  ///< the same for a second embedded method, of lower order; none: nullptr
 
   const double* row(int stage) const { return a + stage * (stage - 1) / 2; }
 };

@@ -13,11 +13,12 @@ namespace {
 
 constexpr double any = infinity;
 
-// Linear theory allows leapfrog 1, and bm4 2 (measured: 2.4 is marginal). An automatic leapfrog step keeps omega h <= 1.36, clear of
-// sqrt(3) and sqrt(2), where an undamped mode comes back in phase with the springs' own nonlinearity every third or fourth step and gains
-// energy without limit. The Runge-Kutta methods' intervals on the imaginary axis are 8.3 (rkn12) and 5.9 (dop853). Near its own rkn12
-// takes a millionth of a vibration's energy a step, which long runs feel. The work of bm4, rkn12 and dop853 is that of their force
-// evaluations and what they combine them with, measured in leapfrog's. `automatic` counts as leapfrog, which it is with a given step.
+// Linear theory allows steps of 1 for leapfrog and of 2 for bm4 (measured: 2.4 is marginal). An automatic leapfrog step keeps
+// omega h <= 1.36, clear of sqrt(3) and sqrt(2): there an undamped mode returns in phase with the springs' own nonlinearity every third or
+// fourth step and gains energy without limit. The stability intervals of the Runge-Kutta methods on the imaginary axis are 8.3 (rkn12)
+// and 5.9 (dop853). Near the end of its interval rkn12 takes a millionth of a vibration's energy per step, which matters in long runs. The
+// work of bm4, rkn12 and dop853 is that of their force evaluations and of the combinations of stages, measured in force evaluations of
+// leapfrog. `automatic` has the row of leapfrog, because with a given step it is leapfrog.
 constexpr std::array<Traits, method_count> rows{{
     // method, order, work, given, automatic, long run, damping, tolerance: sum, step; contact, solves; turning, passes over vibrations,
     // staggered
@@ -33,7 +34,7 @@ constexpr std::array<Traits, method_count> rows{{
     {Method::floating_frame, 3, 0, any, any, 1, any, 40, 0.3, false, true, Turning::in_frame, true},
 }};
 
-/// Of a step times the rate of damping, which stability allows 1 where dashpots are not solved for [1].
+/// Largest product of step and damping rate if velocities are carried on for the dashpots; stability allows 1 [1].
 constexpr double stable_share = 0.8;
 
 constexpr bool in_order() {
@@ -51,8 +52,8 @@ bool takes_solid(Method method, const Lattice& lattice) {
   return method != Method::central_difference && (!is_implicit(method) || LatticeMatrix::exists(lattice));
 }
 
-/// None beside obstacles. Nor where steps are counted, which give the same however the time is cut: what one hands on to the next would
-/// not.
+/// Returns 0 beside obstacles, and if the frequency bound is not known. Returns 0 for counted steps, too: their result must not depend on
+/// how time is divided, but it would if a step handed velocities on to the next.
 double longest_carried(const Drive& around, const Run& run) {
   const bool known = run.control.bound >= 0, counted = run.physical.clock.unit > 0;
   return known && !counted && around.planes.empty() ? stable_share / run.control.damping_bound : 0;
@@ -66,9 +67,10 @@ double step_work(const Body& body, const Drive& around, const Run& run, Method m
   return work + (carries_velocities(around, run, h) ? 1 : 2 * DampedKick::products(body, 0.5 * h));
 }
 
-/// Measured with the instructions of AVX2, within a third: springs of 4 to 32 points an axis and solids of 4 to 19, whose matrices take
-/// most of what does not grow with the lattice. Solutions with a factor of 16 MB and more wait for memory; those with contact take the
-/// responses of what touches besides. Conjugate gradients take 30 iterations of 3.3 to 3.8 evaluations each.
+/// Measured with AVX2 instructions; right within a third for springs with 4 to 32 points per axis and for solids with 4 to 19, where the
+/// matrices take most of the work that does not grow with the lattice. Solutions with a factor of 16 MB or more are limited by memory;
+/// with contact they also compute the responses of the contact constraints. Conjugate gradients take 30 iterations of 3.3 to 3.8
+/// evaluations each.
 ImplicitWork::ImplicitWork(const Lattice& lattice) {
   if (!LatticeMatrix::has_factor(lattice)) {
     factor = 120;

@@ -1,18 +1,18 @@
 /// Basis functions: how much each control point counts at a point of the object.
 ///
-/// At rest the n control points of an axis stand at equal distances, c_i = i / (n - 1). The weights W_i(t) at a place t from 0 to 1 are not
-/// negative, sum to one and reproduce the place, sum W_i c_i = t: the undeformed object is itself, the deformed one stays in the convex
-/// hull of the control points.
+/// At rest the n control points of an axis are equally spaced, c_i = i / (n - 1). The weights W_i(t) at a position t from 0 to 1 are not
+/// negative, sum to one and reproduce the position, sum W_i c_i = t. Therefore the undeformed object is itself, and the deformed object
+/// stays in the convex hull of the control points.
 ///
 /// Bezier volume (Xia & Wang 2009, eq. (1) and (2)): Bernstein polynomials of degree n - 1. B-splines: uniform, cubic, clamped, with knots
-/// 0, 0, 0, 0, 1, .., L, L, L, L, L = n - 3. These do not reproduce places,
+/// 0, 0, 0, 0, 1, .., L, L, L, L, L = n - 3. The B-splines themselves do not reproduce positions,
 ///
 ///      X(s) = sum N_i(s) c_i       is (s + 1) / (n - 1) in the middle, and three times as steep as that at the ends,
 ///
-/// so that a place t takes the weights at the parameter s with X(s) = t. With up to four control points both are the same.
+/// so that the weights at t are the B-splines at the parameter s with X(s) = t. Up to four control points, both bases are the same.
 ///
-/// Patches: Bezier volumes of four control points an axis side by side, of a body of finite elements. Its points in the core are the nodes
-/// of the patches (lobatto.hpp), and so the weights are those of nodes, which may be negative: -1/8 along an axis at least.
+/// Patches: a body of finite elements consists of adjacent Bezier volumes of four control points per axis. The core's points are the nodes
+/// of the patches (lobatto.hpp), so the weights are those of nodes. They may be negative: along an axis they are at least -1/8.
 #pragma once
 #include <vector>
 
@@ -22,14 +22,14 @@ namespace softffd {
 
 enum class Basis { bezier, bspline, patches };
 
-/// Weights of the n >= 1 control points of an axis at the place t. Returns (n).
+/// Returns the weights (n) of the n >= 1 control points of an axis at the position t.
 Scalars weights(Basis basis, double t, int n);
 
-/// A point of the object: the control points that count there, and how much.
+/// A point of the object: the control points that support it, and their weights.
 struct Embedding {
   std::vector<int> points;
   std::vector<double> weights;
-  /// Sum of the weights times the values of the control points, (all points).
+  /// Returns the weighted sum of the values of the control points, (all points).
   template <class Values>
   double operator()(const Values& values) const {
     double sum = 0;
@@ -38,7 +38,7 @@ struct Embedding {
   }
 };
 
-/// The point that is at `at` [m] in the rest configuration.
+/// Returns the point whose rest position is `at` [m].
 Embedding embed(Basis basis, const Lattice& lattice, const Vec3& at);
 
 }  // namespace softffd

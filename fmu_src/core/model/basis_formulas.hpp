@@ -1,4 +1,4 @@
-/// The formulas of the basis functions without branches, so that a compiler works on several places at once; what they mean says basis.hpp.
+/// The formulas of the basis functions (basis.hpp) without branches, so that a compiler vectorises over several positions.
 #pragma once
 #include "machine/instructions.hpp"
 
@@ -6,14 +6,14 @@ namespace softffd::formulas {
 
 INNER double larger(double a, double b) { return a < b ? b : a; }
 INNER double smaller(double a, double b) { return b < a ? b : a; }
-/// The whole number below; of less than 2^51.
+/// Returns the largest whole number not above x, for numbers below 2^51.
 INNER double rounded_down(double x) {
   const double rounded = (x + 0x1.8p52) - 0x1.8p52;  // numbers of this size have no fractions
   return rounded > x ? rounded - 1 : rounded;
 }
 
-/// Bernstein polynomials of degree n - 1 at some places t, by de Casteljau's recurrence: exact sum to rounding for any n.
-/// weights[i][place].
+/// Computes the Bernstein polynomials of degree n - 1 at several positions t, by de Casteljau's recurrence: the sum is exact to rounding
+/// for any n. weights[i][place].
 template <int places>
 INNER void bernstein(const double* t, int n, double (*weights)[places]) {
   for (int at = 0; at < places; ++at) weights[0][at] = 1;
@@ -25,13 +25,13 @@ INNER void bernstein(const double* t, int n, double (*weights)[places]) {
   }
 }
 
-/// The four B-splines that are not zero at a parameter, from number `first` on.
+/// The four B-splines that are nonzero at a parameter, from number `first` on.
 struct Span {
   double first, values[4];
 };
 
-/// By the recurrence of Cox (1972) and de Boor (1972), whose terms are all positive; n > 4. Knots are whole numbers, and the differences of
-/// those that meet here are 1, 2 or 3: their reciprocals are chosen.
+/// Computes the B-splines by the recurrence of Cox (1972) and de Boor (1972), whose terms are all positive; n > 4. Knots are whole
+/// numbers, and the knot differences that occur here are 1, 2 or 3: the code selects their reciprocals.
 INNER Span bsplines(double s, int n) {
   constexpr double half = 1.0 / 2, third = 1.0 / 3;
   const double spans = n - 3;
@@ -48,13 +48,13 @@ INNER Span bsplines(double s, int n) {
   return {first, {ahead1 * b0, behind3 * b0 + ahead2 * middle, behind2 * middle + ahead3 * last, behind1 * last}};
 }
 
-/// The parameter s in 0 .. n - 3 of a place t, X(s) = t; n > 4. With z = (n - 1) t counted from the nearer end, in cells,
+/// Returns the parameter s in 0 .. n - 3 of a position t, X(s) = t; n > 4. With z = (n - 1) t counted from the nearer end, in cells,
 ///
 ///      z = 3 s - 3/2 s^2 + 5/12 s^3                           s up to 1          (two spans: 1/2 s^3)
 ///      z = 23/12 + 5/4 u - 1/4 u^2 + 1/12 u^3,  u = s - 1     s from 1 to 2      (three spans: 1/6 u^3)
 ///      z = s + 1                                              from there to the other end's
 ///
-/// of which the first two are solved by Newton's method, from a polynomial of z that is off by 0.06 at most.
+/// The first two are solved by Newton's method, starting from a polynomial of z whose error is at most 0.06.
 INNER double parameter(double t, int n) {
   constexpr double joint = 23.0 / 12;
   const double whole = n - 1, along = t * whole, other = whole - along;

@@ -14,7 +14,7 @@ namespace softffd {
 struct PinnedPoint {
   int pin, point;
   const Frame& frame;
-  Vec3 arm;  ///< from the frame's origin [m]
+  Vec3 arm;  ///< from the frame's origin to the point [m]
   Vec3 place() const { return frame.origin + arm; }
   Vec3 velocity() const { return frame.material_velocity(arm); }
 };
@@ -22,33 +22,33 @@ struct PinnedPoint {
 struct Drive {
   std::vector<Plane> planes;
   std::vector<Pin> pins;
-  std::vector<FreeMotion> free;      ///< bodies, in the order of the state
+  std::vector<FreeMotion> free;      ///< motions of the free bodies, in the order of the state
   Points force;                      ///< gravity, loads and point forces at time `since` (points, 3) [N]
-  Points force_rate;                 ///< their time derivative at `since` [N/s]; there only if `ramped`
-  std::array<Points, 2> force_bend;  ///< second and third derivative [N/s2, N/s3]; there only if `bent`
-  bool ramped = false;               ///< any derivative is not zero
-  bool bent = false;                 ///< any second or third
-  bool even = false;                 ///< the same forces on all points, and not ramped
+  Points force_rate;                 ///< their time derivative at `since` [N/s]; filled only if `ramped`
+  std::array<Points, 2> force_bend;  ///< second and third derivative [N/s2, N/s3]; filled only if `bent`
+  bool ramped = false;               ///< some derivative is not zero
+  bool bent = false;                 ///< some second or third derivative is not zero
+  bool even = false;                 ///< the forces are the same on all points, and not ramped
   double since = 0;                  ///< start of the communication step [s]
-  Count call = 0;                    ///< another number in each communication step
-  bool watch = false;                ///< dissipated energy and work are wanted in the Exchange
-  bool damping_unwatched = false;    ///< but not what damping takes, which costs most to book
+  Count call = 0;                    ///< a different number in each communication step
+  bool watch = false;                ///< the Exchange is to contain dissipated energy and work
+  bool damping_unwatched = false;    ///< but not the energy that damping takes, which costs most to compute
 
-  /// Does a pin hold the body that is not free itself?
+  /// True if a pin holds the body and the frame of the pin is not a free part.
   bool held() const {
     return std::any_of(pins.begin(), pins.end(), [](const Pin& pin) { return !pin.own; });
   }
-  /// What coordinate i (of 3 * points) of the outside forces has gained by time t [N].
+  /// Returns the change of coordinate i (of 3 * points) of the outside forces from `since` to time t [N].
   double ramp(Eigen::Index i, double t) const {
     const double s = t - since;
     return bent ? s * (force_rate(i) + s * (force_bend[0](i) / 2 + s * force_bend[1](i) / 6)) : s * force_rate(i);
   }
-  /// Its time derivative [N/s].
+  /// Returns the time derivative of that coordinate [N/s].
   double ramp_rate(Eigen::Index i, double t) const {
     const double s = t - since;
     return bent ? force_rate(i) + s * (force_bend[0](i) + s * force_bend[1](i) / 2) : force_rate(i);
   }
-  /// out = forces at time t.
+  /// out = outside forces at time t [N].
   void force_at(double t, Points& out) const {
     out = force;
     for (Eigen::Index i = 0; ramped && i < out.size(); ++i) out(i) += ramp(i, t);
@@ -62,7 +62,7 @@ struct Drive {
         visit(PinnedPoint{int(a), pins[a].points[n], frame, frame.arm(pins[a].local[n])});
     }
   }
-  /// Sums over all coordinates of the gain, and of its derivative, times x (points, 3).
+  /// Returns the sum over all coordinates of `ramp` times x (points, 3); ramp_rate_dot does the same with `ramp_rate`.
   template <class X>
   double ramp_dot(double t, const Eigen::ArrayBase<X>& x) const {
     double sum = 0;

@@ -1,4 +1,4 @@
-/// What the body gives back to the outside during one communication step.
+/// Reactions of the body on the outside during one communication step.
 #pragma once
 #include <vector>
 
@@ -11,8 +11,8 @@ namespace softffd {
 struct Impulse {
   Vec3 force = Vec3::Zero();   ///< [N s]
   Vec3 torque = Vec3::Zero();  ///< [N m s]
-  double pressed = 0;          ///< of a solid: the parts along its normals, summed [N s]
-  Vec3 places = Vec3::Zero();  ///< of a solid: the arms, each times the part along the normal there [N m s]
+  double pressed = 0;          ///< of a solid: sum of the impulses along its normals [N s]
+  Vec3 places = Vec3::Zero();  ///< of a solid: sum of the arms, weighted by the impulse along the normal there [N m s]
   void add(const Vec3& impulse, const Vec3& arm) {
     force += impulse;
     torque += arm.cross(impulse);
@@ -36,30 +36,30 @@ struct Impulse {
 };
 static_assert(visits_every_field<Impulse>);
 
-/// The point of an obstacle [m] where an impulse on it acts, its torque about the obstacle's point: about that point the torque has no part
-/// along the plane. Impulses that press, at points of the plane, act at the mean of the points, weighted by how much each presses. Without
-/// one that presses: the obstacle's point.
+/// Returns the point of an obstacle [m] at which an impulse acts, with torque about the obstacle's point: about the returned point the
+/// torque has no part along the plane. Impulses that press at points of the plane act at the mean of the points, weighted by how much each
+/// presses. If no impulse presses, the point is the obstacle's point.
 inline Vec3 centre_of_pressure(const HalfSpace& plane, const Impulse& on) {
   const double pressing = -plane.normal.dot(on.force);
   const Vec3 arm = plane.normal.cross(on.torque) / -pressing;
   return pressing > 0 && arm.allFinite() ? plane.point + arm : plane.point;
 }
 
-/// The same of a solid, which has no plane for all of them [m]: the mean of the touched places, weighted by how much each presses.
+/// Returns the same for a solid, which has no common plane [m]: the mean of the touched places, weighted by how much each presses.
 inline Vec3 centre_of_places(const HalfSpace& pose, const Impulse& on) {
   const Vec3 arm = on.places / on.pressed;
   return on.pressed > 0 && arm.allFinite() ? Vec3(pose.point + arm) : pose.point;
 }
 
-/// Of a point that is followed, in the current communication step.
+/// Reading of a followed point in the current communication step.
 struct PointReading {
   Vec3 acceleration = Vec3::Zero();  ///< mean [m/s2]
-  // the largest:
+  // largest values:
   double speed = 0;                 ///< [m/s]
-  double largest_acceleration = 0;  ///< of means over some time [m/s2]
-  double von_mises = 0;             ///< where the stress is wanted [Pa]
-  Vec3 from = Vec3::Zero();         ///< velocity when that time began [m/s]
-  double since = 0;                 ///< [s]
+  double largest_acceleration = 0;  ///< largest mean over one interval [m/s2]
+  double von_mises = 0;             ///< only if the stress is wanted [Pa]
+  Vec3 from = Vec3::Zero();         ///< velocity at the start of the current interval [m/s]
+  double since = 0;                 ///< time since the start of that interval [s]
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
@@ -68,27 +68,27 @@ struct PointReading {
 };
 static_assert(visits_every_field<PointReading>);
 
-/// What the outside received during the current communication step. Energies only accumulate when they are asked for.
+/// What the outside received during the current communication step. Energies accumulate only if they are asked for.
 struct Exchange {
-  std::vector<Impulse> planes;       ///< of the body on each obstacle, torque about the plane's point
-  std::vector<Impulse> pins;         ///< of the body on each fixture, torque about the frame's origin
-  std::vector<Points> touched;       ///< by each obstacle on each control point, or sample of the surface [N s]; none where no sensor asks
-  std::vector<PointReading> points;  ///< that are followed
+  std::vector<Impulse> planes;  ///< impulses of the body on each obstacle, torque about the plane's point
+  std::vector<Impulse> pins;    ///< impulses of the body on each fixture, torque about the frame's origin
+  std::vector<Points> touched;  ///< impulses of each obstacle on each control point or surface sample [N s]; empty unless a sensor asks
+  std::vector<PointReading> points;  ///< followed points
   double dissipated = 0;             ///< energy lost to damping, friction and impacts [J]
   double work = 0;                   ///< work of moving obstacles and pins on the body [J]
   Count contacts_resolved = 0;
 
-  /// Whoever holds or stops the body gives it an impulse [N s] at the end of an arm [m], moving with a velocity [m/s]: takes the reaction,
-  /// and works.
+  /// Books an impulse [N s] that an obstacle or a pin gives the body at the end of an arm [m], where the obstacle or pin has a velocity
+  /// [m/s]: `taker` gets the reaction, and `work` the work on the body.
   void push(Impulse& taker, const Vec3& impulse, const Vec3& arm, const Vec3& velocity) {
     taker.add(-impulse, arm);
     work += impulse.dot(velocity);
   }
-  /// An obstacle gives a control point, or a sample, an impulse [N s].
+  /// Books an impulse [N s] that an obstacle gives a control point or a sample.
   void touch(std::size_t obstacle, int at, const Vec3& impulse) {
     if (!touched.empty()) touched[obstacle].row(at) += impulse.array().transpose();
   }
-  /// Nothing yet in this communication step.
+  /// Resets the impulses, the energies and the number of contacts for a new communication step.
   void clear() {
     for (auto* impulses : {&planes, &pins})
       for (Impulse& impulse : *impulses) impulse = {};

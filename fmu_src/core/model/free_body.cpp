@@ -8,10 +8,10 @@ namespace softffd {
 
 namespace {
 
-/// Turn in a part of a flight [rad].
+/// Largest turn in one part of a flight [rad], and largest number of parts.
 constexpr double longest_turn = 0.02;
 constexpr double most_parts = 10000;
-/// To find the orientation at the end of an implicit step.
+/// Largest number of iterations for the orientation at the end of an implicit step.
 constexpr int turn_rounds = 8;
 
 using Quaternion = Eigen::Vector4d;
@@ -156,7 +156,7 @@ FreeState FreeMotion::moved(const FreeState& from, const FreeState& by, double h
   return to;
 }
 
-/// The turn is that of the end, which it takes some rounds to find.
+/// The spin at the end turns the body over the whole step; an iteration finds the orientation at the end.
 FreeState FreeMotion::stepped(const FreeState& from, double h, const Vec3& impulse, const Vec3& torque) const {
   FreeState to = from;
   to.time = from.time + h;
@@ -172,7 +172,7 @@ FreeState FreeMotion::stepped(const FreeState& from, double h, const Vec3& impul
   return to;
 }
 
-/// The turn by the rule of Runge and Kutta of fourth order, in parts short against it.
+/// The fourth-order Runge-Kutta method integrates the turn, in parts that turn little.
 FreeState FreeMotion::flown(const FreeState& from, double time) const {
   const double h = time - from.time;
   FreeState to = from;

@@ -12,10 +12,10 @@ struct Range {
   int begin, end;
 };
 
-/// Of an axis of n points those that an element has together with point i.
+/// Returns the points of an axis of n points that share an element with point i.
 Range coupled(int i, int n, bool lobatto) {
   if (!lobatto) return {std::max(i - 1, 0), std::min(i + 2, n)};
-  const int patch = i / 3 * 3;  // that begins at i, or has it inside
+  const int patch = i / 3 * 3;  // the patch that begins at i, or has i inside
   return {i == patch ? std::max(i - 3, 0) : patch, std::min(patch + 4, n)};
 }
 

@@ -15,14 +15,14 @@
 
 namespace softffd {
 
-/// Control points per axis, at most; and how far the last of a point's neighbours may be from it in memory.
+/// Largest number of control points per axis, and largest distance in memory from a point to a neighbour.
 inline constexpr int most_points = 32, farthest_neighbour = 1 + most_points * (1 + most_points);
 
 struct Lattice {
   std::array<int, 3> counts{4, 4, 4};  ///< control points per axis, 2 to most_points
   Vec3 origin = Vec3::Zero();          ///< lower corner of the box [m]
   Vec3 size = Vec3::Ones();            ///< sides of the box, > 0 [m]
-  bool lobatto = false;                ///< points of a body of finite elements, at unequal distances (lobatto.hpp)
+  bool lobatto = false;                ///< points of a body of finite elements, which are not equally spaced (lobatto.hpp)
 
   int points() const { return counts[0] * counts[1] * counts[2]; }
   int index(int i, int j, int k) const { return i + counts[0] * (j + counts[1] * k); }
@@ -30,15 +30,15 @@ struct Lattice {
   double largest_side() const { return size.maxCoeff(); }
   /// Sides of a cell [m].
   Vec3 cell() const { return size.cwiseQuotient(Vec3(counts[0] - 1, counts[1] - 1, counts[2] - 1)); }
-  /// Of a plane across the longest axis.
+  /// Returns the number of points of a plane across the longest axis.
   int points_across() const { return points() / *std::max_element(counts.begin(), counts.end()); }
   int cells() const { return (counts[0] - 1) * (counts[1] - 1) * (counts[2] - 1); }
 };
 
-/// For every point those that its elements couple it with, (points): within one cell, or of a solid within its patches.
+/// Returns, for every point, the points that elements couple it with, (points): within one cell, or for a solid within its patches.
 std::vector<std::vector<int>> coupled_points(const Lattice& lattice);
 
-/// Rest positions X [m], (points, 3).
+/// Returns the rest positions X [m], (points, 3).
 Points rest_positions(const Lattice& lattice);
 
 enum class SpringKind { edge, face, body };
@@ -48,7 +48,7 @@ struct Direction {
   int di, dj, dk;
   SpringKind kind() const { return SpringKind(di * di + dj * dj + dk * dk - 1); }
   int offset(const Lattice& lattice) const { return lattice.index(di, dj, dk); }
-  /// Is there a neighbour of point (i, j, k) in this direction?
+  /// True if point (i, j, k) has a neighbour in this direction.
   bool within(const Lattice& lattice, int i, int j, int k) const {
     const auto& n = lattice.counts;
     return i + di >= 0 && i + di < n[0] && j + dj >= 0 && j + dj < n[1] && k + dk < n[2];

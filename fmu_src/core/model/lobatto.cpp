@@ -8,7 +8,7 @@
 namespace softffd::kernels {
 namespace {
 
-/// Inner control points in the place of inner nodes, of lines side by side.
+/// Replaces the inner nodes of lines side by side by inner control points.
 INNER void side_by_side(int lines, In begin, Out low, Out high, In end) {
   constexpr double third = 1.0 / 3;
   for (int i = 0; i < lines; ++i) {
@@ -32,8 +32,8 @@ namespace {
 
 constexpr double third = 1.0 / 3;
 
-/// Calls use(first number, lines, from one line to the next, from one node to the next) for the four nodes of every patch along an axis:
-/// of lines side by side as many as there are, of those along x all.
+/// Calls use(first number, number of lines, distance between lines, distance between nodes) for the four nodes of every patch along an
+/// axis. One call covers all lines along x, or all lines along another axis that are side by side.
 template <class Use>
 void each_lines(const Lattice& lattice, int axis, double* values, const Use& use) {
   const auto& n = lattice.counts;

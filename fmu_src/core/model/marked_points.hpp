@@ -1,4 +1,4 @@
-/// Points that are copied more often than they change: what a communication step starts from is kept whole, and most of it is as it was.
+/// Points that are copied more often than they change: each communication step keeps a copy of its start, most of which has not changed.
 ///
 ///      x.change() = ...     a mark that no other points ever had
 ///      kept = x             copies the numbers and the mark; where the mark is there already, the numbers are too, and nothing is read
@@ -27,7 +27,7 @@ class MarkedPoints {
 
   const Points& operator*() const { return points_; }
   const Points* operator->() const { return &points_; }
-  /// To write to at once: a later change needs another call.
+  /// Returns the points to write to at once, with a new mark: a later change needs another call.
   Points& change() {
     mark_ = new_mark();
     return points_;
@@ -36,7 +36,7 @@ class MarkedPoints {
     points_.swap(other.points_);
     std::swap(mark_, other.mark_);
   }
-  /// A copy of points that somebody else has marked.
+  /// Copies points that another owner has marked.
   void copy(const Points& points, Count mark) {
     if (mark == mark_) return;
     points_.resizeLike(points);
@@ -51,7 +51,7 @@ class MarkedPoints {
 
  private:
   Points points_;
-  Count mark_ = 0;  ///< of none
+  Count mark_ = 0;  ///< 0: no mark
 };
 
 }  // namespace softffd

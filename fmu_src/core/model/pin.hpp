@@ -14,9 +14,9 @@ struct Frame {
   Vec3 turn;                          ///< rotation vector applied after the orientation [rad]
   Vec3 velocity, spin;                ///< [m/s], [rad/s]
 
-  /// From the origin to a point of the frame [m], world axes.
+  /// Returns the vector from the origin to a point of the frame [m], in world axes.
   Vec3 arm(const Vec3& local) const { return rotated(turn, rotated(orientation, local)); }
-  /// Velocity of the frame's material at the end of an arm [m/s].
+  /// Returns the velocity of the frame's material at the end of an arm [m/s].
   Vec3 material_velocity(const Vec3& arm) const;
 };
 
@@ -28,18 +28,18 @@ struct PinMotion {
   Vec3 angular_velocity = Vec3::Zero();           ///< [rad/s]
   Vec3 acceleration = Vec3::Zero();               ///< [m/s2]
   Vec3 angular_acceleration = Vec3::Zero();       ///< [rad/s2]
-  std::array<double, 4> orientation_rate{};       ///< where not zero, turns the frame instead of the angular velocity [1/s]
+  std::array<double, 4> orientation_rate{};       ///< if not zero, turns the frame instead of the angular velocity [1/s]
 };
 
-/// The same from time `since` on, with a quaternion of unit length, and what hangs on the frame. The frame at rest has the world's axes.
+/// The motion from time `since` on, with a unit quaternion, and the attached control points. The frame at rest has the world's axes.
 struct Pin : PinMotion {
   std::vector<int> points;          ///< control points, each in one pin only
   std::vector<Vec3> local;          ///< their rest positions in the frame [m]
   double since = 0;                 ///< [s]
-  const FreeMotion* own = nullptr;  ///< that of a free part, in the place of all of PinMotion
+  const FreeMotion* own = nullptr;  ///< motion of a free part, which replaces all of PinMotion
 
   Frame at(double time) const;
-  /// Of the free part in this state.
+  /// Returns the frame of the free part in this state.
   Frame frame_of(const FreeState& state) const;
 };
 

@@ -25,7 +25,7 @@ Turned turned_box(const Plane& box, double age) {
   return now;
 }
 
-/// Of the half-spaces with a normal that goes with the solid that which touches it.
+/// Returns the supporting half-space of the solid whose normal moves with the solid.
 HalfSpace supporting(const Plane& solid, const SolidPose& pose) {
   Vec3 normal = solid.facing;
   double beyond = solid.radius;
@@ -90,12 +90,12 @@ bool Plane::at_rest() const {
 
 namespace {
 
-/// Largest rates of the unit normal [1/s, 1/s2].
+/// Largest first and second derivative of the unit normal in time [1/s, 1/s2].
 struct Turning {
   double rate, bend;
 };
 
-/// Of a normal N + age R: it turns by |N x R| / N^2.
+/// Returns the rates of a normal N + age R, which turns at |N x R| / N^2.
 Turning turning_by_rate(const Plane& plane, double a0, double a1) {
   const Vec3 &N = plane.normal, &R = plane.normal_rate;
   const double nearest = std::clamp(-N.dot(R) / R.squaredNorm(), std::min(a0, a1), std::max(a0, a1));
@@ -103,7 +103,7 @@ Turning turning_by_rate(const Plane& plane, double a0, double a1) {
   return {across, across * (across + 2 * R.norm() / std::sqrt(least))};
 }
 
-/// Of a rotation vector w age + alpha age^2 / 2, or of a box's own, whose derivative bounds the angular velocity.
+/// Returns the rates of a rotation vector w age + alpha age^2 / 2, or of a box's own, whose derivative bounds the angular velocity.
 Turning turning_by_spin(const Plane& plane, double a0, double a1) {
   if (const double rate = plane.rotation_rate.norm(); rate > 0) return {rate, 2 * rate * rate};
   const auto at = [&](double age) { return (plane.angular_velocity + age * plane.angular_acceleration).norm(); };

@@ -38,50 +38,50 @@ struct PlaneMotion {
   double radius = 0;                         ///< of a solid of revolution about `point` [m]; 0: none
   double length = 0;                         ///< of a cylinder along `normal` [m]; 0: a sphere
   Vec3 sides = Vec3::Zero();                 ///< of a box about `point` [m]; 0: none
-  Vec3 rotation = Vec3::Zero();              ///< of a box: the vector that turns its edges from the axes of the world [rad]
+  Vec3 rotation = Vec3::Zero();              ///< of a box: rotation vector from the world's axes to its edges [rad]
   Vec3 rotation_rate = Vec3::Zero();         ///< its time derivative [rad/s]
 
   bool box() const { return sides[0] > 0; }
   bool solid() const { return radius > 0 || box(); }
-  /// Of a solid: its furthest point from `point` [m].
+  /// Returns the distance of the solid's furthest point from `point` [m].
   double size() const { return box() ? 0.5 * sides.norm() : hypotenuse(radius, 0.5 * length); }
 };
 
-/// A solid at one moment. A box has no normal of its own: it is that of an end across the third edge.
+/// A solid at one moment. The normal of a box is that of the end across its third edge.
 struct SolidPose : HalfSpace {
-  Eigen::Matrix3d edges;  ///< of a box: their directions, in columns
+  Eigen::Matrix3d edges;  ///< of a box: directions of its edges, in columns
 };
 
-/// The same from time `since` on, with a normal of unit length, which turns with the angular velocity, or, where a rate of the normal or
-/// of the rotation is given, follows it.
+/// The motion from time `since` on, with a unit normal. The normal turns with the angular velocity, or, if a rate of the normal or of the
+/// rotation is given, follows that rate.
 struct Plane : PlaneMotion {
   double since = 0;  ///< [s]
-  Vec3 facing =
-      Vec3::Zero();  ///< of a solid for which a supporting half-space stands: its unit normal: of a box by its edges, of others at `since`
+  /// Of a solid that a supporting half-space replaces: unit normal of the half-space, for a box in its edges, else at `since`. Zero: none.
+  Vec3 facing = Vec3::Zero();
 
-  const FreeMotion* own = nullptr;  ///< that of a free body, in the place of all above
+  const FreeMotion* own = nullptr;  ///< motion of a free body, which replaces all fields above
 
-  /// Does a half-space stand for the solid that it holds (contact/surface/stand_ins.hpp)?
+  /// True if a supporting half-space replaces the solid (contact/stand_ins.hpp).
   bool stood_for() const { return !facing.isZero(0); }
-  /// A solid that is met as itself.
+  /// True for a solid that keeps its own shape in contact.
   bool solid() const { return PlaneMotion::solid() && !stood_for(); }
-  /// The half-space, that which stands for a solid too.
+  /// Returns the half-space of a plane, or the supporting half-space that replaces a solid.
   HalfSpace at(double time) const;
   SolidPose pose_at(double time) const;
-  /// Of the free body that it is.
+  /// Returns the pose of the free body in this state.
   SolidPose pose_of(const FreeState& state) const;
-  /// Is x in the solid in this pose, or at most so far out of one of its faces [m]?
+  /// True if x is inside the solid in this pose, or at most `slack` [m] outside one of its faces.
   bool holds(const SolidPose& pose, const Vec3& x, double slack) const;
-  /// Is it the same at all times?
+  /// True if the obstacle never moves.
   bool at_rest() const;
 };
 
-/// Bounds of a plane's own motion between two times, as a point at rest sees it.
+/// Bounds of a plane's own motion between two times, as seen from a point at rest.
 struct PlaneWay {
-  double speed;      ///< of the gap [m/s]
+  double speed;      ///< largest speed of the gap [m/s]
   double deviation;  ///< of the gap from the straight line between its values at both ends [m]; 0 for a plane in steady translation
 };
-/// arm: largest distance of a point from the plane's point at t0 [m]. Infinite where a normal that is followed by its rate vanishes.
+/// arm: largest distance of a point from the plane's point at t0 [m]. The bounds are infinite if a normal that follows its rate vanishes.
 PlaneWay way_between(const Plane& plane, double t0, double t1, double arm);
 
 }  // namespace softffd

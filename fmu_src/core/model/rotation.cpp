@@ -61,7 +61,7 @@ std::array<double, 4> quaternion(const Vec3& w) {
 
 std::array<double, 4> swing_from_z(const Vec3& direction) {
   const Vec3 to = direction / std::sqrt(direction.squaredNorm());
-  const double w = std::sqrt(std::max(0.5 * (1 + to[2]), 0.0));  // half of the angle
+  const double w = std::sqrt(std::max(0.5 * (1 + to[2]), 0.0));  // cosine of half the angle
   if (w == 0) return {0, 1, 0, 0};
   return {w, -0.5 * to[1] / w, 0.5 * to[0] / w, 0};
 }

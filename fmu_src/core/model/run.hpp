@@ -12,29 +12,29 @@
 
 namespace softffd {
 
-/// Why a method took a communication step.
+/// Reason for the method of a communication step.
 enum class Reason {
   asked,            ///< it was asked for
   contact,          ///< an obstacle is within reach
   damping,          ///< the method asked for cannot follow the damping
-  given_step,       ///< automatic with a given internal step
-  stability,        ///< the largest stable step is accurate enough: nothing explicit costs less
-  least_work,       ///< least work for the tolerance among those tried
-  quiet_stiffness,  ///< stiff, and the fast modes are quiet: implicit steps pass them over
+  given_step,       ///< automatic choice, with a given internal step
+  stability,        ///< the largest stable step is accurate enough: no explicit method costs less
+  least_work,       ///< least work for the tolerance among the candidates
+  quiet_stiffness,  ///< stiff, and the fast modes are quiet: implicit steps do not resolve them
   stiff_contact,    ///< an obstacle is within reach of a stiff body
   damped_contact,   ///< an obstacle is within reach of a body with internal damping
   free_flight,      ///< stiff and free, and the fast modes are quiet: rigid motion, and implicit steps for the deformation
   impact,           ///< a stiff body strikes an obstacle, or rings on one
-  ringing_flight    ///< a stiff body flies beside an obstacle: its modes carry what vibrates
+  ringing_flight    ///< a stiff body flies beside an obstacle: its modes carry the vibrations
 };
 constexpr Reason last(Reason) { return Reason::ringing_flight; }
 
-/// Step of a fixed-step method by trial: what h and h / 2 give over a short stretch.
+/// Step of a fixed-step method, found by trial: runs with h and h / 2 over a short sub-interval are compared.
 struct Calibration {
   double h = 0;       ///< largest step that keeps the tolerance [s]; 0: not known yet
-  double due = 0;     ///< work at which it is due again
+  double due = 0;     ///< work at which the next calibration is due
   double soon = 0;    ///< the same after a jolt
-  double window = 0;  ///< stretch of the last trial [s]: from a much shorter one little is learnt
+  double window = 0;  ///< length of the last trial [s]: a much shorter one teaches little
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
@@ -43,17 +43,18 @@ struct Calibration {
 };
 static_assert(visits_every_field<Calibration>);
 
-/// What two runs of a stretch differ by at the end of the run, or a sum of that [m]. Most stretches err now this way, now that way: sizes
-/// add as lengths of vectors at right angles do. What errs the same way again and again, as rolling does, is seen by its direction.
+/// Difference of two runs of a sub-interval as it will be at the end of the run, or a sum of such differences [m]. Most sub-intervals err
+/// now in one direction, now in another: their sizes add like the lengths of vectors at right angles. Errors that repeat in one direction,
+/// as in rolling, are recognised by their direction.
 struct FinalError {
   double size = 0;
-  double lag = 0;                                  ///< the same if pins hold the body: phases of its vibrations always fall behind
-  Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();  ///< else, of the body as a whole; turned, of its outermost point
+  double lag = 0;                                  ///< sum of sizes if pins hold the body: phases of its vibrations always fall behind
+  Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();  ///< without pins: shift of the whole body; way of its outermost point by its turn
 
   double largest() const { return std::max({size, lag, shift.norm(), turn.norm()}); }
   FinalError times(double factor) const { return {factor * size, factor * lag, factor * shift, factor * turn}; }
   void add(const FinalError& of) { *this = {hypotenuse(size, of.size), lag + of.lag, shift + of.shift, turn + of.turn}; }
-  /// To what stretches like the last one leave: directions that change cancel.
+  /// Updates the error to that of sub-intervals like the last one: directions that change cancel.
   void learn(const FinalError& last) { *this = {last.size, last.lag, 0.5 * (shift + last.shift), 0.5 * (turn + last.turn)}; }
 
   template <class Self, class Fields>
@@ -63,11 +64,11 @@ struct FinalError {
 };
 static_assert(visits_every_field<FinalError>);
 
-/// A stretch that was run twice.
+/// A sub-interval that was run twice (step doubling).
 struct TriedStretch {
   double h = 0;         ///< step of the coarser run [s]; 0: none
-  double error = 0;     ///< at the end of the run, forecast [m]
-  bool impact = false;  ///< something came onto an obstacle in it
+  double error = 0;     ///< forecast of the final error [m]
+  bool impact = false;  ///< something came onto an obstacle in the sub-interval
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
@@ -76,11 +77,11 @@ struct TriedStretch {
 };
 static_assert(visits_every_field<TriedStretch>);
 
-/// Error that shorter steps do not make smaller.
+/// Error that shorter steps do not reduce.
 struct ErrorFloor {
-  double error = 0;  ///< at the end of the run, forecast [m]
-  Count left = 0;    ///< stretches that may have it before shorter steps are tried again
-  Count next = 1;    ///< how many after the next time that they are tried in vain
+  double error = 0;  ///< forecast of the final error [m]
+  Count left = 0;    ///< sub-intervals that may have this error before shorter steps are tried again
+  Count next = 1;    ///< value of `left` after the next vain attempt with shorter steps
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
@@ -89,17 +90,17 @@ struct ErrorFloor {
 };
 static_assert(visits_every_field<ErrorFloor>);
 
-/// Steps through contact, where every stretch is run twice unless experience says that the largest stable step is accurate enough.
+/// Steps through contact. Each sub-interval is run twice unless experience says that the largest stable step is accurate enough.
 struct ContactSteps {
-  double h = 0;         ///< of the coarser of the two runs [s]; 0: none yet
-  Count free = 0;       ///< stretches without impact that may be run once, at the largest stable step
-  Count free_next = 1;  ///< how many after the next success
-  Count impact = 0;     ///< the same for stretches with an impact
+  double h = 0;         ///< step of the coarser of the two runs [s]; 0: none yet
+  Count free = 0;       ///< sub-intervals without impact that may be run once, at the largest stable step
+  Count free_next = 1;  ///< value of `free` after the next success
+  Count impact = 0;     ///< the same for sub-intervals with an impact
   Count impact_next = 1;
-  Count seen = 0;                        ///< steps since a whole stretch was seen
-  double largest = 0, largest_seen = 0;  ///< error relative to the square of the step [m/s2]: since then, and in the whole stretch before
-  FinalError final_error{};              ///< by a stretch at the step of the coarser run
-  TriedStretch tried{};                  ///< the last that shorter steps are to mend
+  Count seen = 0;                        ///< steps since a whole sub-interval was completed
+  double largest = 0, largest_seen = 0;  ///< error / step^2 [m/s2]: since then, and in the whole sub-interval before
+  FinalError final_error{};              ///< of one sub-interval with the step of the coarser run
+  TriedStretch tried{};                  ///< last sub-interval whose error shorter steps are to reduce
   ErrorFloor floor{};
 
   template <class Self, class Fields>
@@ -109,12 +110,12 @@ struct ContactSteps {
 };
 static_assert(visits_every_field<ContactSteps>);
 
-/// By how much places may be off, as time goes.
+/// Possible error of positions, as a function of time.
 struct Drift {
-  double place = 0, speed = 0;  ///< at this time [m, m/s]
+  double place = 0, speed = 0;  ///< error of positions, and its rate, at `time` [m, m/s]
   double time = 0;              ///< [s]
 
-  /// lasting: how long a velocity lasts at most [s].
+  /// Returns the error of positions at a time [m]. lasting: how long a velocity lasts at most [s].
   double at(double now, double lasting) const { return place + speed * std::clamp(now - time, 0.0, lasting); }
 
   template <class Self, class Fields>
@@ -124,17 +125,17 @@ struct Drift {
 };
 static_assert(visits_every_field<Drift>);
 
-/// The motion of a body that began a landing as far off as this one may be: by what they differ the error is known that landings make of
-/// errors (kit/landings.hpp). Empty without obstacles.
+/// A second motion of the body. It begins a landing as far from the run as the run may be in error; the difference between the two shows
+/// what landings make of errors (kit/landings.hpp). Empty without obstacles.
 struct Neighbour {
-  Points x, v;                    ///< while it is integrated beside the run, its own; else its last difference from the run [m, m/s]
-  std::vector<FreeState> free{};  ///< bodies, likewise
-  bool follows = false;           ///< takes them
-  bool landed = false;            ///< has come onto an obstacle since it began to
-  double began = 0, impact = 0;   ///< times at which it last began to, and of the run's last impact [s]
+  Points x, v;                    ///< while integrated beside the run, its own; else its last difference from the run [m, m/s]
+  std::vector<FreeState> free{};  ///< free bodies, likewise
+  bool follows = false;           ///< it is integrated beside the run
+  bool landed = false;            ///< it has come onto an obstacle since it last began to follow
+  double began = 0, impact = 0;   ///< times at which it last began to follow, and of the run's last impact [s]
   Drift off{};                    ///< its distance from the run
 
-  /// What it was off stands, and it no longer goes on from there.
+  /// Discards the motion and ends the integration beside the run. The last distance `off` stays.
   void forget() {
     x.setZero();
     v.setZero();
@@ -149,34 +150,34 @@ struct Neighbour {
 };
 static_assert(visits_every_field<Neighbour>);
 
-/// Where a stiff body stands with the obstacles (impacts/impacts.hpp).
+/// Phase of a stiff body beside obstacles (impacts/impacts.hpp).
 enum class Phase {
-  flight,   ///< nothing can be touched
-  impact,   ///< near an obstacle after a flight: explicit steps of the vibrations' size
-  contact,  ///< the same, for some time already
-  rest      ///< pressed on, and so quiet that long implicit steps lose nothing that matters
+  flight,   ///< no obstacle can be touched
+  impact,   ///< near an obstacle after a flight: explicit steps that follow the vibrations
+  contact,  ///< the same as impact, for some time already
+  rest      ///< pressed onto an obstacle, and so quiet that long implicit steps lose nothing that matters
 };
 constexpr Phase last(Phase) { return Phase::rest; }
 
 struct StiffContact {
   Phase phase = Phase::flight;
-  bool settling = false;  ///< the next step at rest is the first
-  Count looks = 0;        ///< at an impact, since the listening began
-  double impulse = 0;     ///< on the obstacles since then [N s]
-  double listened = 0;    ///< length of it [s]
-  double loudest = 0;     ///< largest kinetic energy of deformation since then [J]; with pins the size of the vibrations [m]
-  double pressing = 0;    ///< force on the obstacles, when last known [N]
-  double since = 0;       ///< begin of the impact [s]
-  Count doubts = 0;       ///< how often rest was left too early to pay
+  bool settling = false;  ///< the next step at rest is the first one
+  Count looks = 0;        ///< looks at the vibrations, since the current measurement of them began
+  double impulse = 0;     ///< impulse on the obstacles since then [N s]
+  double listened = 0;    ///< length of the measurement [s]
+  double loudest = 0;     ///< largest kinetic energy of deformation since then [J]; with pins, largest size of the vibrations [m]
+  double pressing = 0;    ///< force on the obstacles, last known value [N]
+  double since = 0;       ///< start of the impact [s]
+  Count doubts = 0;       ///< how often rest was left too early to pay off
   Count trust = 0;        ///< windows that may be run once
-  Count next_trust = 1;   ///< how many after the next success
-  FinalError trusted{};   ///< by one, as of the last that was run twice
+  Count next_trust = 1;   ///< value of `trust` after the next success
+  FinalError trusted{};   ///< final error of one such window, as of the last window that was run twice
   Count rest_trust = 0, next_rest_trust = 1;  ///< the same for steps at rest
-  double step = 0;                            ///< at rest [s]; 0: none yet
-  double unknown = 0;                         ///< that the vibrations' unknown phases at impacts may have added [m]
-  double flown = 0;                           ///< what vibrations in flight may be off by [m]; 0: not known
+  double step = 0;                            ///< step size at rest [s]; 0: none yet
+  double unknown = 0;                         ///< error that unknown phases of the vibrations at impacts may have added [m]
+  double flown = 0;                           ///< possible error of vibrations in flight [m]; 0: not known
 
-  /// Begins anew in this phase; what it has cost stays.
+  /// Begins a phase anew. Possible errors stay, and so does the number of doubts unless the phase is a flight.
   void begin(Phase next) { *this = {.phase = next, .doubts = next == Phase::flight ? 0 : doubts, .unknown = unknown, .flown = flown}; }
 
   template <class Self, class Fields>
@@ -187,15 +188,15 @@ struct StiffContact {
 };
 static_assert(visits_every_field<StiffContact>);
 
-/// What trial runs between methods have shown, and when the next one is due, in work done by then.
+/// Results of the trial runs between methods, and the work at which the next ones are due.
 struct TrialRecord {
   Method winner = Method::automatic;  ///< automatic: none yet
   Reason reason = Reason::least_work;
-  double due = 0;       ///< work at which the next one is due
+  double due = 0;       ///< work at which the next trial runs are due
   double soon = 0;      ///< the same after a jolt
-  double pause = 1;     ///< its distance, in multiples of the trial runs' own work
-  double window = 0;    ///< communication step of the last one [s]
-  double forecast = 0;  ///< work that the winner should need for what is left of the communication step
+  double pause = 1;     ///< work until the next trial runs, in multiples of the trial runs' own work
+  double window = 0;    ///< communication step of the last trial runs [s]
+  double forecast = 0;  ///< forecast of the winner's work for what is left of the communication step
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
@@ -204,20 +205,20 @@ struct TrialRecord {
 };
 static_assert(visits_every_field<TrialRecord>);
 
-/// Implicit steps of second order of a damped body, beside obstacles or pinned (stepping/damped_steps.hpp).
+/// Implicit second-order steps of a damped body that is beside obstacles or pinned (stepping/damped_steps.hpp).
 struct DampedRecord {
-  double h = 0;               ///< wanted [s]; 0: none yet
+  double h = 0;               ///< next step wanted [s]; 0: none yet
   Count trust = 0;            ///< steps that may be run once
-  Count next_trust = 1;       ///< how many after the next success
-  double share = 1;           ///< error of a step in the bend of its velocities, as of the last one that was run twice [1]
-  double lasting = 1;         ///< part of that error that lasts [1]
-  double fades = 0;           ///< in which the rest of it does, where no pin holds the body [s]; 0: not at all
-  Count constraints = 0;      ///< of contact, at the end of the last step
-  Count doubts = 0;           ///< how often explicit steps had to take over, one time after the other
-  double rate = 0;            ///< work of explicit steps in a second, as of the last that took over; 0: not known
-  double explicit_until = 0;  ///< time until which they have, the last time [s]
-  double force = 0;           ///< largest on an obstacle or a pin so far, as mean of a step [N]
-  double opening = 0;         ///< first step of a communication step, as of the last one where it was cut [s]; 0: it is not
+  Count next_trust = 1;       ///< value of `trust` after the next success
+  double share = 1;           ///< ratio of a step's error to the bend of its velocities, as of the last step that was run twice [1]
+  double lasting = 1;         ///< fraction of that error that lasts [1]
+  double fades = 0;           ///< time in which the rest fades if no pin holds the body [s]; 0: it does not fade
+  Count constraints = 0;      ///< number of contact constraints at the end of the last step
+  Count doubts = 0;           ///< how often in succession explicit steps had to take over
+  double rate = 0;            ///< work of explicit steps per second of the run, as of the last that took over; 0: not known
+  double explicit_until = 0;  ///< time until which explicit steps took over, the last time [s]
+  double force = 0;           ///< largest force on an obstacle or a pin so far, as the mean over a step [N]
+  double opening = 0;         ///< first step of the next communication step, if that of the last one was cut [s]; 0: it was not
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
@@ -227,29 +228,29 @@ struct DampedRecord {
 };
 static_assert(visits_every_field<DampedRecord>);
 
-/// What stepping has learnt and spent.
+/// What the steps so far have taught, and the work spent.
 struct ControllerState {
   MarkedPoints bound_x;                                  ///< configuration that `bound` belongs to
-  double bound = -1;                                     ///< bound of omega [rad/s]; negative: none yet
-  double damping_bound = -1;                             ///< of the rate of damping there [1/s]; negative: none yet
-  std::array<Calibration, method_count> calibrations{};  ///< of the methods of fixed steps
+  double bound = -1;                                     ///< upper bound of omega [rad/s]; negative: none yet
+  double damping_bound = -1;                             ///< upper bound of the rate of damping there [1/s]; negative: none yet
+  std::array<Calibration, method_count> calibrations{};  ///< of the methods with fixed steps
   std::array<double, method_count> controlled{};         ///< steps of the methods with error control [s]; 0: none yet
   ContactSteps contact{};
   DampedRecord damped{};
   Factored factored{};
-  Factored in_contact{};              ///< of the implicit steps of a surface or a solid, where the next may begin with it
-  Method method = Method::automatic;  ///< that took the last communication step
+  Factored in_contact{};              ///< matrix of the implicit steps of a surface or a solid, with which the next step may begin
+  Method method = Method::automatic;  ///< method of the last communication step
   Reason reason = Reason::asked;
   TrialRecord trials{};
-  double work = 0;   ///< done since the start, in evaluations of the spring forces
-  double usual = 0;  ///< length of communication steps of late [s]
+  double work = 0;   ///< work since the start, in evaluations of the spring forces
+  double usual = 0;  ///< length of recent communication steps [s]
   Count rejected = 0;
   Count factors = 0;  ///< matrices factored
   Neighbour neighbour{};
 
   Calibration& calibration(Method which) { return calibrations[std::size_t(which)]; }
   double& controlled_step(Method which) { return controlled[std::size_t(which)]; }
-  /// What was learnt of another material does not hold; what it has cost does.
+  /// Discards what was learnt about another material and no longer holds. What was spent stays.
   void forget_material() {
     bound = damping_bound = -1;
     calibrations = {};
@@ -267,12 +268,12 @@ struct ControllerState {
 };
 static_assert(visits_every_field<ControllerState>);
 
-/// What contact of the surface's samples keeps from step to step, for each stage: rows by number, plane after plane, -1 behind the last;
-/// friction on them in parts of its limit. Empty where control points touch.
+/// Warm start of the contact of the surface's samples from step to step, for each of the two stages: contact constraints by number, plane
+/// after plane, -1 behind the last; friction as a fraction of the Coulomb limit. Empty if control points meet the obstacles.
 struct SurfaceRows {
   std::vector<Count> drift, close;
   Points drift_friction, close_friction;
-  double missed = 0;  ///< share of the largest force, or of the slip, by which friction has missed Coulomb's law at most
+  double missed = 0;  ///< largest error in Coulomb's law so far, as a fraction of the largest force or of the slip
 
   void forget() {
     for (auto* rows : {&drift, &close}) std::fill(rows->begin(), rows->end(), -1);
@@ -286,7 +287,7 @@ struct SurfaceRows {
 };
 static_assert(visits_every_field<SurfaceRows>);
 
-/// Where the body is, and what it gave back in this communication step.
+/// Motion of the body, and its reactions on the outside in this communication step.
 struct PhysicalState {
   State motion;
   Clock clock;
@@ -295,10 +296,10 @@ struct PhysicalState {
   StiffContact stiff{};
   SurfaceRows surface{};
   FinalError error{};        ///< of steps beside obstacles
-  double damped_error = 0;   ///< of those of damped bodies that are implicit, what lasts to the end of the run [m]
-  double damped_fading = 0;  ///< and what is forgotten again [m]
+  double damped_error = 0;   ///< error of implicit steps of damped bodies that lasts to the end of the run [m]
+  double damped_fading = 0;  ///< error of these steps that fades again [m]
 
-  /// What steps of stiff bodies go by.
+  /// Returns the error that controls the steps of stiff bodies [m].
   double total_error() const { return error.largest() + stiff.unknown; }
 
   template <class Self, class Fields>
@@ -308,18 +309,18 @@ struct PhysicalState {
 };
 static_assert(visits_every_field<PhysicalState>);
 
-/// Energy that came out of nothing, as watch/energy_watch.hpp counts it.
+/// Account of energy that came out of nothing (watch/energy_watch.hpp).
 struct EnergyAccount {
-  double kinetic_elastic = -1;     ///< when last looked at [J]; negative: not yet
-  double forces = 0;               ///< sum of F^2/m over the free points then [N^2/kg]
-  double received = 0;             ///< work of the outside since then, less what friction and impacts took [J]
-  double gained = 0;               ///< out of nothing, from the lowest point on [J]
-  double balance = 0;              ///< all gains and losses [J]
-  double largest = 0;              ///< energy so far [J]
-  double recent = 0, earlier = 0;  ///< the same of the last looks, and of as many before them [J]
-  Count looks = 0;                 ///< since `recent` began
+  double kinetic_elastic = -1;     ///< kinetic + elastic energy at the last look [J]; negative: no look yet
+  double forces = 0;               ///< sum of F^2/m over the free points at the last look [N^2/kg]
+  double received = 0;             ///< work of the outside since the last look, less what friction and impacts took [J]
+  double gained = 0;               ///< energy out of nothing, from the lowest point on [J]
+  double balance = 0;              ///< sum of all gains and losses [J]
+  double largest = 0;              ///< largest energy so far [J]
+  double recent = 0, earlier = 0;  ///< largest energy in the last looks, and in as many looks before them [J]
+  Count looks = 0;                 ///< number of looks since `recent` began
   double due = 0;                  ///< work at which the next look is due
-  double step_factor = 1;          ///< part of the usual internal step that has proved safe
+  double step_factor = 1;          ///< factor of the usual internal step that has proved safe
   bool hopeless = false;           ///< smaller steps did not help
 
   template <class Self, class Fields>
@@ -330,12 +331,12 @@ struct EnergyAccount {
 };
 static_assert(visits_every_field<EnergyAccount>);
 
-/// What a patch of the surface felt in the last communication step.
+/// Reading of a sensor, a patch of the surface, in the last communication step.
 struct SensorReading {
-  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< on it, torque about its centre [N, N m]
-  double area = 0;                                   ///< that touched [m2]
-  double pressure = 0, peak = 0;                     ///< mean over that area, and largest [Pa]
-  Points taxels;                                     ///< force on each [N]
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< on the patch, torque about its centre [N, N m]
+  double area = 0;                                   ///< touched area [m2]
+  double pressure = 0, peak = 0;                     ///< mean over the touched area, and largest [Pa]
+  Points taxels;                                     ///< force on each taxel [N]
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
@@ -349,12 +350,12 @@ struct Run {
   ControllerState control;
   EnergyAccount energy;
   double exchange_time = 1;                        ///< length of the last communication step [s]
-  double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: when last looked at
-  double free_energy = 0;                          ///< of free bodies at the start [J]
+  double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: as of the last look
+  double free_energy = 0;                          ///< energy of free bodies at the start [J]
   MarkedPoints outside;                            ///< outside forces at the end of the last communication step [N]
   Count contacts_resolved = 0;
-  std::vector<Count> contacts;  ///< control points, or samples of the surface, on each plane at the communication point
-  std::vector<Vec3> centres;    ///< of pressure on each plane in the last communication step, where the plane was at its end [m]
+  std::vector<Count> contacts;  ///< number of control points, or surface samples, that touch each plane at the communication point
+  std::vector<Vec3> centres;    ///< centre of pressure on each plane in the last communication step, with the plane as at its end [m]
   std::vector<SensorReading> sensors;
 
   template <class Self, class Fields>

@@ -1,4 +1,4 @@
-/// Values that are stored, compared and checked field by field: each struct lists its fields once, next to its definition,
+/// Values that are stored, compared and checked field by field. Each struct lists its fields once, next to its definition,
 ///
 ///      struct Clock {
 ///        double origin = 0, h = 0;
@@ -6,8 +6,8 @@
 ///      };
 ///      static_assert(visits_every_field<Clock>);
 ///
-/// and whoever needs all of a value, its bytes or whether it is finite, goes through that list. The assertion counts the fields of the
-/// aggregate itself, so that a new one that is not listed does not compile.
+/// and code that needs all of a value, its bytes or whether it is finite, goes through this list. The assertion counts the fields of the
+/// aggregate itself, so that a new field that is not listed does not compile.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -55,12 +55,12 @@ struct is_list<std::array<T, n>> : std::true_type {};
 template <class T>
 concept Visited = requires(T& value) { T::visit(value, visiting::Counter{}); };
 
-/// Whether `visit` lists as many fields as the struct has.
+/// True if `visit` lists as many fields as the struct has.
 template <class T>
 inline constexpr bool visits_every_field =
     decltype(T::visit(std::declval<T&>(), visiting::Counter{}))::value == visiting::count_fields<T>();
 
-/// Calls `leaf` for every number, flag, choice and array of numbers of a value, in the order of the fields.
+/// Calls `leaf` for every number, flag, enumerator and array of numbers of a value, in the order of the fields.
 template <class T, class Leaf>
 void each_leaf(T& value, Leaf&& leaf) {
   using Plain = std::remove_const_t<T>;
@@ -76,7 +76,7 @@ void each_leaf(T& value, Leaf&& leaf) {
     leaf(value);
 }
 
-/// to = from; arrays of numbers as memory, for which the C library has wider registers than this is compiled for.
+/// to = from. Arrays of numbers are copied as memory, for which the C library uses wider registers than this code is compiled for.
 template <class T>
 void assign(T& to, const T& from) {
   if constexpr (Visited<T>) {
@@ -89,7 +89,7 @@ void assign(T& to, const T& from) {
   }
 }
 
-/// Whether all numbers are finite.
+/// True if all numbers are finite.
 template <class T>
 bool all_finite(const T& value) {
   bool finite = true;
@@ -98,7 +98,7 @@ bool all_finite(const T& value) {
     if constexpr (std::is_same_v<Leaf, double>)
       finite = finite && std::isfinite(leaf);
     else if constexpr (!std::is_integral_v<Leaf> && !std::is_enum_v<Leaf>)
-      finite = finite && (leaf - leaf).sum() == 0;  // NaN of what is none; several at a time, as allFinite() is not
+      finite = finite && (leaf - leaf).sum() == 0;  // NaN unless finite; vectorised, unlike allFinite()
   });
   return finite;
 }

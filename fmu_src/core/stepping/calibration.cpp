@@ -13,15 +13,15 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Steps of the coarser run at most: leapfrog, bm4.
+/// Largest number of steps of the coarser run: leapfrog, bm4.
 constexpr Count calibration_steps = 40, calibration_steps_bm4 = 16;
-/// Work between two calibrations, in multiples of a calibration's own [1]: so they cost at most a tenth of a run; and after a jolt.
+/// Work between two calibrations, in multiples of a calibration's own work [1], so that they cost at most a tenth of a run; after a jolt.
 constexpr double calibration_pause = 10, calibration_pause_after_jolt = 3;
-/// A factor of the step from which on a calibration is good enough, its extrapolation being that of the method's order [1].
+/// A calibration is good enough if it changes the step by a factor above this: its extrapolation then follows the method's order [1].
 constexpr double calibrated = 0.35;
 /// Bounds of the factor by which one calibration may change the step [1].
 constexpr double calibration_shrink = 1e-4, calibration_growth = 4;
-/// The same after a trial without a finite result [1].
+/// Factor of the step after a trial without a finite result [1].
 constexpr double after_failed_trial = 0.1;
 
 }  // namespace thresholds
@@ -30,7 +30,7 @@ namespace {
 
 namespace use = thresholds;
 
-/// Of the step, after a trial with such an error [m].
+/// Returns the factor of the step after a trial with this error [m].
 double next_factor(double allowed, double error, int order) {
   if (!std::isfinite(error)) return use::after_failed_trial;
   if (error == 0) return use::calibration_growth;
@@ -75,7 +75,7 @@ double Calibrator::calibrate(Integrators& integrators, const StepContext& contex
   return work;
 }
 
-/// What h and h / 2 will differ by at the end of the run; infinite if one of them fails, nothing if one comes upon an obstacle.
+/// Final error by the difference of runs with h and h / 2 [m]; infinite if one of them fails, nothing if one comes upon an obstacle.
 std::optional<double> Calibrator::trial_error(Integrators& integrators, const StepContext& context, Method method, double h, Count steps) {
   PhysicalState& physical = context.run.physical;
   Snapshot snapshot(physical, start_);

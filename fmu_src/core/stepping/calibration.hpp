@@ -1,9 +1,9 @@
-/// How long a fixed step may be by the tolerance. Every now and then a short stretch is run twice, with h and h / 2, and taken back. What
-/// they differ by, D, grows with the length of the run, so that the step that ends within the tolerance is
+/// Finds the longest fixed step that keeps the tolerance. From time to time a short sub-interval is run twice, with h and h / 2, and rolled
+/// back. The difference D of the two runs grows with the length of the run, so that the step that ends within the tolerance is
 ///
 ///      h (tolerance / (c D T / stretch))^(1/p),      c = 2^p / (2^p - 1),
 ///
-/// where T is the length of the run or the time in which damping forgets, whichever is shorter.
+/// where T is the length of the run or the time in which damping forgets, whichever is shorter, and stretch is the sub-interval's length.
 #pragma once
 #include <optional>
 
@@ -15,9 +15,9 @@ class Calibrator {
  public:
   explicit Calibrator(const Run& run) : start_(run.physical), coarse_(run.physical.motion) {}
 
-  /// Is there a new calibration to be made for what is left [s] of the communication step?
+  /// True if a new calibration is to be made for what is left [s] of the communication step.
   bool due(const StepContext& context, Method method, double H, bool jolt) const;
-  /// Sets run.control.calibration(method); returns the work.
+  /// Sets run.control.calibration(method) and returns the work.
   double calibrate(Integrators& integrators, const StepContext& context, Method method, double H, int rounds);
 
  private:

@@ -11,18 +11,18 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Bounds of the step's change; growth where the error is zero [1] (Hairer, Norsett, Wanner 1993, section II.4).
+/// Smallest and largest factor of the step; growth if the error is zero [1] (Hairer, Norsett, Wanner 1993, section II.4).
 constexpr double shrink = 0.1, growth = 6, growth_without_error = 5;
-/// After a rejected step the next is at most this much of it [1].
+/// After a rejected step, the next step is at most this fraction of the rejected one [1].
 constexpr double after_rejection = 0.9;
-/// The same where an old factor may be at fault: it is made anew, at a step between these [1].
+/// The same if an old factor of the matrix may be at fault: the matrix is factored anew, at a step between these fractions [1].
 constexpr double old_factor_shrink = 0.5, old_factor_keep = 0.95;
-/// Between these the step of an implicit method stays, and with it the factor of its matrix [1]: measured, a kept factor is worth a
-/// factor of 1.5 to 2.4.
+/// An implicit method keeps its step, and with it the factor of its matrix, if the wanted change lies between these [1]: measured, a kept
+/// factor is worth a factor of 1.5 to 2.4.
 constexpr double keep_below = 0.95, keep_above = 1.5;
-/// A step that turns the body by more than twice the limit is halved [1].
+/// A step that turns the body by more than the first multiple of the limit is repeated with the second fraction of its length [1].
 constexpr double turned_too_far = 2, turned_shrink = 0.5;
-/// A step that the communication point has cut to less than this fraction says nothing about the next [1].
+/// A step that the communication point has cut to less than this fraction says nothing about the next step [1].
 constexpr double cut_short = 0.2;
 /// First step in units of 1 / omega [1].
 constexpr double first_step = 3;
@@ -35,7 +35,7 @@ namespace {
 
 namespace use = thresholds;
 
-/// What one step of length h may err by [m]: errors add up until damping forgets them.
+/// Error that one step of length h may have [m]: errors add up until damping forgets them.
 class Allowance {
  public:
   Allowance(const StepContext& context, const Traits& traits)
@@ -53,7 +53,7 @@ class Allowance {
   double forgets_, rounding_, tolerance_;
 };
 
-/// The size of the step after one of size `step` with `ratio` of its allowance: the controller.
+/// The step size controller: finds the size of the step after one of size `step` whose error is `ratio` times the allowed one.
 struct Controller {
   double factor(double ratio, bool turned, int exponent) const {
     if (turned) return use::turned_shrink;
@@ -63,8 +63,8 @@ struct Controller {
   double after_rejection(double step, double factor, bool old_factor) const {
     return step * (old_factor ? std::clamp(factor, use::old_factor_shrink, use::old_factor_keep) : std::min(factor, use::after_rejection));
   }
-  /// h: the step wanted so far, of which the communication point may have cut `step`. Such a step says that it can be longer only as far as
-  /// it was tried. keeps_factor: with the step a method's matrix stays.
+  /// h: the step wanted so far; the communication point may have cut `step`. A cut step shows that the step may be longer only as far as it
+  /// was tried. keeps_factor: the method's matrix stays as long as its step.
   double after_success(double h, double step, double factor, bool keeps_factor) const {
     if (keeps_factor && factor > use::keep_below && factor < use::keep_above) return h;
     const bool says_something = factor * step > h || (factor < use::growth_without_error && step > use::cut_short * h);
@@ -86,7 +86,7 @@ StepStatus run_controlled(Integrators& integrators, const StepContext& context, 
   const bool planes = !context.drive.planes.empty(), straight = t.turning == Turning::straight, in_frame = t.turning == Turning::in_frame;
   const double least = use::shortest_step * std::max(std::abs(end), end - motion.time);
   double limit = step_limit(context, method, false);
-  // In the frame the first step is as long as may be: short ones would follow the vibrations that it is to pass over.
+  // In the frame the first step is as long as possible: short steps would follow the vibrations that it is to pass over.
   const bool short_first = context.model.stability.elastic() && !in_frame;
   if (!(h > 0)) h = context.request.step_factor * std::min(end - motion.time, short_first ? use::first_step / bound(context) : infinity);
   run.physical.clock = {motion.time, h, 0};

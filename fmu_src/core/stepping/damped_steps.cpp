@@ -16,41 +16,43 @@ namespace softffd {
 
 namespace thresholds {
 
-/// What an implicit step takes that pays in the place of explicit ones, in matrices: some are run twice, others once [1].
+/// Work of an implicit step in matrices, where it is compared with explicit steps in its place [1]: some are run twice, others once.
 constexpr double damped_runs = 2;
-/// First step, and explicit steps before implicit ones are tried again, in the shortest that pay; how often the latter get twice as many.
+/// First step, and time of explicit steps before implicit ones are tried again, in the shortest that pay; how often that time may double.
 constexpr double first_damped = 2, damped_turn = 2;
 constexpr Count most_damped_doubts = 6;
-/// Errors of all steps in the tolerance; of what is left of that, the error of a step, or of the tolerance per share of the time that
-/// errors are remembered for, and at most [1].
+/// The errors of all steps may take damped_sum of the tolerance [1]. One step may take damped_share of what is left of that, or damped_rate
+/// of the tolerance times the ratio of its length to the time that errors are remembered for, whichever is more; damped_most of it at most.
 constexpr double damped_sum = 0.5, damped_share = 0.2, damped_rate = 1, damped_most = 0.3;
-/// Of the largest force, the error of the mean force of a communication step, or of what moves a point by the tolerance [1].
+/// Allowed error of a communication step's mean force, relative to the largest force or to what moves a point by the tolerance [1].
 constexpr double force_share = 0.008, moving_force = 0.01;
-/// Of what the forces of two runs differ by, the error where a constraint changes: both step over the same moment and may err alike [1].
-/// Measured on a pad that is led to and fro: mean forces off by 1.6 % of the largest with 1, by 0.3 % with 3, in as many steps.
+/// Error where a constraint changes, relative to the difference of the forces of two runs [1]: both runs step over the same moment and may
+/// err alike. Measured on a pad with prescribed motion to and fro: mean forces off by 1.6 % of the largest with 1, by 0.3 % with 3, in as
+/// many steps.
 constexpr double force_at_events = 3;
-/// Radians of a vibration that a step may be long and yet differ visibly from two of half its length [rad].
+/// Longest step, in radians of a vibration, that still differs visibly from two steps of half its length [rad].
 constexpr double passed_over = 10;
-/// Of the first step in a communication step, after that of the one before, which was cut [1].
+/// Growth of the first step in a communication step after the one before, whose first step was cut [1].
 constexpr double opening_growth = 2;
-/// Error of a step in the bend of its velocities: at least, by how much it may have grown since the last step that was run twice for the
-/// next to be run once, and what is added for safety [1]; how many of these at most.
+/// Ratio of a step's error to the bend of its velocities [1]: its least value, its growth since the last step that was run twice up to
+/// which the next steps are run once, and a factor for safety. Largest number of steps that are run once.
 constexpr double least_share = 0.02, shares_alike = 2, share_safety = 1.5;
 constexpr Count longest_damped_trust = 32;
-/// Of what is allowed, the error of a step that does not tell of a smaller share: error and bend are what solutions leave [1].
+/// A step whose error is at most this fraction of the allowed error does not lower that ratio: error and bend are what solutions leave [1].
 constexpr double slight_error = 0.01;
-/// Of what is allowed, the way of contacts that stop, turn round or begin to slide in a step, from which on they count [1].
+/// Contacts that stop, turn round or begin to slide in a step count if their way is above this fraction of the allowed error [1].
 constexpr double slight_slip = 0.01;
-/// Of what drives a body along an obstacle, the part that friction lets go while vibrations shake it loose [1].
+/// Fraction of what drives a body along an obstacle that friction lets go while vibrations shake the body loose [1].
 constexpr double shaken_loose = 0.1;
-/// Of the tolerance, by which the equations of a stage may be solved wrong.
+/// Fraction of the tolerance by which a solution of the equations of a stage may be off [1].
 constexpr double solved = 1e-4;
-/// Work of explicit steps, contact included, in their forecast, at which they are given up [1]: where contacts open and close from step to
+/// Explicit steps are given up at this multiple of their forecast work, contact included [1]: where contacts open and close from step to
 /// step, no step is short enough for them.
 constexpr double lost_explicit = 100;
-/// Operations of both in cubes of the number of rows: Coulomb's law at each, which moves all others in all directions.
+/// Operations of the two stages of contact relative to the cube of the number of contact constraints [1]: Coulomb's law at each constraint
+/// moves all others in all directions.
 constexpr double free_row_work = 20;
-/// Shortest step in the largest explicit one, where there are no explicit steps to take over [1].
+/// Shortest step relative to the largest explicit one, if there are no explicit steps to take over [1].
 constexpr double shortest_damped = 0.05;
 
 }  // namespace thresholds
@@ -59,7 +61,7 @@ namespace {
 
 namespace use = thresholds;
 
-/// A difference of velocities lasts without obstacles, and along one on which friction does not hold the body.
+/// A difference of velocities lasts without obstacles, and along an obstacle on which friction does not hold the body.
 Outlook ahead(const StepContext& context) {
   const double left = left_of_run(context);
   if (context.drive.planes.empty()) return {Vec3::UnitZ(), left, left, left, 0};
@@ -68,8 +70,8 @@ Outlook ahead(const StepContext& context) {
   return ahead;
 }
 
-/// Of an explicit step's two stages of contact with free obstacles, by the rows of the last step of either kind, or by what touched them
-/// when the communication step began.
+/// Work of the two stages of contact with free obstacles in an explicit step, by the number of contact constraints in the last step of
+/// either kind, or by what touched the obstacles when the communication step began.
 double work_of_free_rows(const StepContext& context) {
   if (std::ranges::all_of(context.drive.free, &FreeMotion::part)) return 0;
   const auto number = [](const std::vector<Count>& of) { return double(std::ranges::count_if(of, [](Count row) { return row >= 0; })); };
@@ -80,7 +82,7 @@ double work_of_free_rows(const StepContext& context) {
   return use::free_row_work * rows * rows * rows / Operations::in_evaluation(context.model.body.points());
 }
 
-/// Have explicit steps taken over until later?
+/// True if explicit steps have taken over until a later time.
 bool explicit_turn(const DampedRecord& record, double time) { return record.doubts > 0 && time < record.explicit_until; }
 
 }  // namespace
@@ -90,7 +92,7 @@ struct DampedSteps::Call {
   const StepContext& context;
   double begin, end;  ///< of the communication step [s]
   double limit;       ///< largest stable explicit step [s]
-  double memory;      ///< until an error of now is forgotten [s]
+  double memory;      ///< time until a present error is forgotten [s]
   const ExplicitSteps& others;
 
   double worth() const { return DampedSteps::worth(integrators, context, others); }
@@ -124,7 +126,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
   const State& motion = context.run.physical.motion;
   const double begin = motion.time;
   const Count rejected = control.rejected;
-  bool opens = false;  // the first step is no longer than that of the communication step before
+  bool opens = false;  // the first step was cut to that of the communication step before
   while (motion.time < end) {
     const Call call{integrators, context, begin, end, step_limit(context, Method::leapfrog, false), memory(context), others};
     control.method = Method::sdirk2;
@@ -156,13 +158,13 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
   return StepStatus::ok;
 }
 
-/// Until an error of now is forgotten [s]: pins take a body back to where its slowest vibration dies away.
+/// Time until a present error is forgotten [s]: pins take a body back to where its slowest vibration dies away.
 double DampedSteps::memory(const StepContext& context) {
   const double longest = std::min(context.request.horizon, context.model.longest_memory);
   return !context.drive.held() ? longest : slowest_.memory(context.model.body, longest);
 }
 
-/// Beside what is left of the errors before after h.
+/// Books the error of a step of length h, beside what is left of earlier errors after h.
 void DampedSteps::book(const Call& call, double h, double error, double lasting) {
   PhysicalState& physical = call.context.run.physical;
   const bool held = call.context.drive.held();
@@ -190,10 +192,10 @@ DampedSteps::Step DampedSteps::take(const Call& call, double until, bool again) 
   return {outcome.status, outcome.constraints, turned, outcome.bend, outcome.lost, 0.5 * h * slip.rigid};
 }
 
-/// What energy that steps of h have taken from vibrations will have been able to move the body by [m]: it cannot lift what is pressed on
-/// with a force F further than energy / F. While it lasts it may shake loose what friction holds with little to spare, which creeps then
-/// (a box of 0.5 kg on 93 % of the slope that it slides on: by 30 mm in 0.4 s). None where internal damping takes it in a step, or the step
-/// follows all of them.
+/// Final error by the energy that steps of h have taken from vibrations [m]: that energy cannot lift a body that is pressed on with a force
+/// F further than energy / F. While vibrations last, they may shake loose what friction holds with little to spare, so that the body creeps
+/// (a box of 0.5 kg on 93 % of the slope that it slides on: by 30 mm in 0.4 s). Zero if internal damping takes the energy within a step, or
+/// if the step follows all vibrations.
 double DampedSteps::passed_over(const Call& call, double h, double lost) const {
   const StepContext& context = call.context;
   const Body& body = context.model.body;
@@ -209,7 +211,8 @@ double DampedSteps::passed_over(const Call& call, double h, double lost) const {
   return std::max(lifts, use::shaken_loose * 0.5 * out.drive * lasts * lasts);
 }
 
-/// On obstacles and pins: what the impulses of the two runs differ by at most, in what may be left [1], and the largest force so far [N].
+/// Compares the impulses of the two runs on obstacles and pins. Returns their largest difference relative to the allowed one [1], and the
+/// largest force so far [N].
 DampedSteps::Forces DampedSteps::compare_forces(const Call& call) const {
   const Exchange &begin = start_.exchange, &one = coarse_.exchange, &other = call.context.run.physical.exchange;
   const double h = call.context.run.physical.motion.time - start_.motion.time;
@@ -227,8 +230,8 @@ DampedSteps::Forces DampedSteps::compare_forces(const Call& call) const {
   return {difference / ((call.end - call.begin) * std::max(use::force_share * largest, of_tolerance)), largest};
 }
 
-/// To `until`: once if the error is small enough that goes with how the velocities bend, by the last step that was run twice; else with two
-/// steps of half the length beside.
+/// Takes a step to `until`. The step is run once if its error is small enough, by the bend of its velocities and the last step that was run
+/// twice; otherwise it is run with two steps of half the length as well.
 StepStatus DampedSteps::step(const Call& call, double until) {
   Run& run = call.context.run;
   DampedRecord& record = run.control.damped;
@@ -270,7 +273,7 @@ StepStatus DampedSteps::step(const Call& call, double until) {
   return StepStatus::ok;
 }
 
-/// The two steps of half the length, beside the whole one in coarse_.
+/// Runs the two steps of half the length, beside the whole step in coarse_.
 DampedSteps::Judged DampedSteps::run_halves(const Call& call, double until, double allowed, const Step& coarse) {
   const StepContext& context = call.context;
   PhysicalState& physical = context.run.physical;
@@ -301,12 +304,12 @@ DampedSteps::Judged DampedSteps::run_halves(const Call& call, double until, doub
   return judged;
 }
 
-/// How much longer the next step may be [1].
+/// Factor by which the next step may be longer [1].
 double DampedSteps::Judged::growth() const {
   return ratio > 0 ? use::window_safety * (steady ? std::sqrt(1 / ratio) : 1 / ratio) : use::rest_growth;
 }
 
-/// The halves count. bend: of the whole step.
+/// Accepts the two half steps. bend: of the whole step.
 void DampedSteps::accept(const Call& call, double h, double allowed, double bend, const Judged& judged) {
   Run& run = call.context.run;
   DampedRecord& record = run.control.damped;
@@ -327,7 +330,7 @@ void DampedSteps::accept(const Call& call, double h, double allowed, double bend
   record.h = growth < 1 ? longer : std::max(record.h, longer);
 }
 
-/// Explicit steps for a while, longer each time that implicit ones do not pay again.
+/// Takes explicit steps for a while, which is longer each time that implicit steps do not pay again.
 StepStatus DampedSteps::take_explicit(const Call& call) {
   const StepContext& context = call.context;
   DampedRecord& record = context.run.control.damped;
@@ -345,7 +348,7 @@ StepStatus DampedSteps::take_explicit(const Call& call) {
   const StepStatus status = call.others.run(call.integrators, context, until, most);
   const double now = context.run.physical.motion.time;
   record.rate = (context.run.control.work - before) / (until - begin);
-  if (now < until) {  // implicit ones go on
+  if (now < until) {  // implicit steps go on
     record.rate = (left - call.integrators.budget().left()) / (now - begin);
     record.explicit_until = now;
   }

@@ -1,14 +1,14 @@
-/// A damped body beside obstacles, or one that is pinned: SDIRK2 with exact contact (contact/implicit/implicit_contact.hpp), each step with
-/// h and with two of h / 2, and the finer run counts. What the two differ by, in the bend of the velocities within the step, gives the
-/// error of the next steps, which are run once for a while.
+/// Steps of a damped body beside obstacles, or of a pinned one: SDIRK2 with exact contact (contact/implicit/implicit_contact.hpp). Each
+/// step is run with h and with two steps of h / 2, and the finer run counts. The difference of the two runs, relative to the bend of the
+/// velocities within the step, gives the error of the next steps, which are run once for a while.
 ///
-/// Where constraints of contact change, or something strikes, the error falls with the first power of the step: it is taken so. What rings
-/// is seen by the two runs while a step is no longer than ten radians of it, and beyond by the energy that the step takes; steps grow by a
-/// factor of four at most. Where they would have to be nearly as short as explicit ones, these take over for a while.
+/// Where constraints of contact change, or something strikes, the error is taken to fall with the first power of the step. The two runs
+/// show ringing while a step is no longer than ten radians of it; the energy that a longer step takes shows it beyond. Steps grow by a
+/// factor of four at most. Where they would have to be nearly as short as explicit ones, explicit steps take over for a while.
 ///
-/// What a step errs by counts for as long as the body remembers it: held by pins, until its slowest vibration has died away
-/// (kit/slowest_vibration.hpp); else to the end of the run. The first step of a communication step, at which inputs may jump, is no
-/// longer than the one before had to be.
+/// The error of a step counts for as long as the body remembers it: until its slowest vibration has died away if pins hold the body
+/// (kit/slowest_vibration.hpp), else to the end of the run. At the first step of a communication step inputs may jump; that step is no
+/// longer than the first step of the communication step before had to be.
 #pragma once
 #include "kit/slowest_vibration.hpp"
 #include "stepping/calibration.hpp"
@@ -18,43 +18,43 @@ namespace softffd {
 
 class DampedSteps {
  public:
-  /// What takes over where implicit steps do not pay, one of the two: leapfrog through contact, or without obstacles.
+  /// The explicit steps that take over where implicit steps do not pay, one of the two: leapfrog through contact, or without obstacles.
   struct ExplicitSteps {
     StepDoubling* contact = nullptr;
     Calibrator* free = nullptr;
     bool any() const { return contact || free; }
-    /// Work beside that of plain steps [1].
+    /// Work relative to plain steps [1].
     double times() const;
     StepStatus run(Integrators& integrators, const StepContext& context, double until, double most) const;
   };
 
   DampedSteps(const Lattice& lattice, const Run& run) : slowest_(lattice), start_(run.physical), coarse_(run.physical) {}
-  /// others: for where implicit steps do not pay; none: never.
+  /// others: explicit steps for where implicit steps do not pay; none: implicit steps alone.
   StepStatus run(Integrators& integrators, const StepContext& context, double end, const ExplicitSteps& others);
-  /// Shortest implicit step that costs no more than explicit ones in its place [s].
+  /// Length of the shortest implicit step that costs no more than the explicit steps in its place [s].
   static double worth(Integrators& integrators, const StepContext& context, const ExplicitSteps& others);
 
  private:
   struct Call;
   struct Step {
     StepStatus status;
-    Count constraints;  ///< at its end
-    bool turned;        ///< a contact stopped, turned round or began to slide in it
+    Count constraints;  ///< at the end of the step
+    bool turned;        ///< a contact stopped, turned round or began to slide in the step
     double bend;
     double lost;   ///< [J]
-    double rigid;  ///< way of free obstacles that ends or begins in it [m]
+    double rigid;  ///< way of free obstacles whose slip ends or begins in the step [m]
   };
   struct Forces {
     double difference, largest;
   };
-  /// What two runs of a step say of the finer one.
+  /// What two runs of a step tell about the finer one.
   struct Judged {
     double error = 0;    ///< [m]
-    double lasting = 0;  ///< part of it [m]
-    double fades = 0;    ///< in which the rest does [s]; 0: not at all
-    double ratio = 0;    ///< of errors in what is allowed, the worst [1]
-    double over = 0;     ///< part of the error that is of vibrations passed over [m]
-    double force = 0;    ///< largest so far [N]
+    double lasting = 0;  ///< part of the error that lasts [m]
+    double fades = 0;    ///< time in which the rest of the error fades [s]; 0: not at all
+    double ratio = 0;    ///< largest ratio of an error to the allowed one [1]
+    double over = 0;     ///< part of the error by vibrations that are passed over [m]
+    double force = 0;    ///< largest force so far [N]
     Count constraints = 0;
     bool steady = false;  ///< no constraint changed
     double growth() const;

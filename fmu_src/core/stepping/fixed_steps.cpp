@@ -11,9 +11,9 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Given steps that can be counted exactly.
+/// Largest number of given steps that can be counted exactly [1].
 constexpr double countable = 0x1p53;
-/// A step is made longer again only by this factor or more [1]: every change costs a method its coefficients for the step.
+/// A step is made longer again only by this factor or more [1]: with every change a method loses its coefficients for the step.
 constexpr double regrowth = 1.25;
 /// Rounds of a calibration within a run.
 constexpr int calibration_rounds = 4;
@@ -24,21 +24,21 @@ namespace {
 
 namespace use = thresholds;
 
-/// Cuts the internal steps of the unit that has begun into so many.
+/// Divides each internal step of the current unit into this many.
 void refine(Clock& clock, Count times) {
   const Count into = clock.count % clock.parts, parts = clock.parts * times;
   clock = {clock.origin + double(clock.count - into) * clock.h, clock.unit / double(parts), into * times, clock.unit, parts};
 }
 
-/// Divides the given step as stability asks for at the present state. What a look says of a divided step holds from the next unit on, or at
-/// once if it must be finer. A step that has to be divided gets the distance from the limit that automatic ones keep; close to it every
-/// vibration would change the division, and feed itself by that.
+/// Divides the given step as stability requires at the present state. A check of a divided step holds from the next unit on, or at once if
+/// the step must be finer. A step that has to be divided keeps the distance from the limit that automatic steps keep: close to the limit
+/// every vibration would change the division, and feed itself by that.
 StepStatus divide_unit(const Budget& budget, const StepContext& context, Method method) {
   Clock& clock = context.run.physical.clock;
   const double unit = context.request.step, wanted = unit * context.request.step_factor;
   const Count into = clock.unit == unit ? clock.count % clock.parts : 0;
   const double limit = tighter(wanted, step_limit(context, method, true));
-  const bool again = context.request.step_factor < 1;  // without a result so far: as divided as it must be, anew at every unit
+  const bool again = context.request.step_factor < 1;  // no result so far: divided as much as it must be, anew at every unit
   const double target = limit < wanted && !again ? tighter(limit, step_limit(context, method, false)) : limit;
   const double work = unit / target * step_work(context.model.body, context.drive, context.run, method, target);
   if (!budget.covers(work)) return refusal(work);
@@ -69,7 +69,7 @@ Count counted_units(const Request& request, double H) {
   return units >= 1 && units <= use::countable && std::abs(H - units * request.step) <= 1e-9 * H ? Count(units) : 0;
 }
 
-/// Looks are counted, so that they fall on the same moments however the time is cut.
+/// Checks of the deformation are counted, so that they fall on the same moments however the time is divided.
 StepStatus run_counted(Integrators& integrators, const StepContext& context, Method method, Count units) {
   Clock& clock = context.run.physical.clock;
   const Budget& budget = integrators.budget();

@@ -1,4 +1,4 @@
-/// A part that is made when it is first used: what a run never asks for takes no memory.
+/// A part that is made when it is first used: a part that a run never needs takes no memory.
 #pragma once
 #include <optional>
 #include <utility>
@@ -8,7 +8,7 @@ namespace softffd {
 template <class T>
 class Lazy {
  public:
-  /// The part; the first time, made of these.
+  /// Returns the part; the first call makes it of these arguments.
   template <class... Of>
   T& of(Of&&... parts) {
     return part_ ? *part_ : part_.emplace(std::forward<Of>(parts)...);

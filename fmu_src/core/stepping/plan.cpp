@@ -8,14 +8,16 @@ namespace softffd {
 
 namespace thresholds {
 
-/// A candidate has to need this much less work than the last winner [1]: measured without it winners changed up to 27 times in a run.
+/// A candidate has to need less work than the last winner by this factor [1]: measured, without it winners changed up to 27 times in a run.
 constexpr double challenge = 1.2;
-/// H omega / 2 from which on implicit steps are worth a trial for a body that turns freely, whose frame takes work too [1]. By experience.
+/// H omega / 2 above which implicit steps in the body's frame are worth a trial for a body that turns freely [1]: the frame takes work too.
+/// By experience.
 constexpr double stiff_turning = 100;
-/// Vibration in units of the tolerance above which implicit steps must not pass over it [1]: what is compared is a bound. By experience.
+/// Implicit steps must not pass over a vibration above this multiple of the tolerance [1]: the vibration is known by a bound. By
+/// experience.
 constexpr double loud = 3;
-/// Leapfrog's work in units of what stability asks for, up to which nothing else is tried [1]: per evaluation of the forces nothing is
-/// stable for as long as leapfrog (bm4 has a third of its interval), so that the trials would cost more than they find.
+/// Nothing else is tried if leapfrog's work is at most this multiple of the work that stability requires [1]: per evaluation of the forces
+/// no method is stable for as long as leapfrog (bm4 has a third of its interval), so that the trials would cost more than they find.
 constexpr double enough = 1.7;
 
 }  // namespace thresholds
@@ -24,8 +26,9 @@ namespace {
 
 namespace use = thresholds;
 
-/// What is asked for, but for rkn12, whose stages have no velocity, and for what has no place for the dashpots' coupling of velocities:
-/// bm4's coefficients are for kicks that do not depend on them, and the central difference is as published.
+/// The method that is asked for, or a substitute. The stages of rkn12 have no velocity, so it has a substitute with any damping. Two
+/// methods cannot take the dashpots' coupling of velocities: bm4's coefficients are for kicks that do not depend on velocities, and the
+/// central difference is as published.
 struct Asked {
   Method method;
   Reason reason;
@@ -39,12 +42,12 @@ Asked asked(const Facts& facts) {
   return {facts.asked, Reason::asked};
 }
 
-/// What auto chooses among the others; backward_euler as auto, but for impacts.
+/// True if auto chooses among the other methods; backward_euler does as auto, except for impacts.
 bool chosen(Method method) { return method == Method::automatic || method == Method::backward_euler; }
 
 Plan wanting(Want want) { return {.want = want}; }
 
-/// No obstacle is in the way, or the method knows them.
+/// Plan if no obstacle is in the way, or if the method knows obstacles.
 Plan plan_free(const Facts& facts, const Asked& asked, Rollback rollback) {
   const bool automatic = chosen(asked.method);
   const Method method = automatic ? Method::leapfrog : asked.method;
@@ -57,7 +60,7 @@ Plan plan_free(const Facts& facts, const Asked& asked, Rollback rollback) {
   return {.method = method, .steps = steps, .reason = reason, .rollback = rollback};
 }
 
-/// Whether explicit steps are so many that a stiff body's impacts, flights and rests are taken on their own.
+/// True if explicit steps are so many that a stiff body's impacts, flights and rests are taken on their own.
 bool stiff(const Facts& facts) {
   const double steps = *facts.stiffness;
   const bool many = steps > use::stiff_contact || (steps > use::stiff_contact_of_long_runs && steps * facts.length > use::long_contact);
@@ -72,8 +75,8 @@ Plan impacts(bool rings) {
   return {.method = Method::backward_euler, .steps = Steps::impacts, .reason = Reason::stiff_contact, .rings = rings};
 }
 
-/// An obstacle is within reach: what has internal damping takes implicit steps where they pay, what is not stiff takes leapfrog. The modes
-/// of a flight know no internal damping, so that nothing would see the echo of an impact.
+/// Plan if an obstacle is within reach: a body with internal damping takes implicit steps where they pay, a body that is not stiff takes
+/// leapfrog. The modes of a flight know no internal damping, so that nothing would see the echo of an impact.
 Plan plan_contact(const Facts& facts, const Asked& asked) {
   const bool own = asked.method == Method::automatic || is_implicit(asked.method);
   if (facts.dashpots && own && !facts.given_step && !facts.explicit_alone)
@@ -97,7 +100,7 @@ Plan plan(const Facts& facts) {
     return {.method = wanted.method, .steps = facts.given_step ? Steps::implicit : Steps::damped, .reason = wanted.reason};
   if (!facts.obstacles || wanted.method == Method::central_difference) return plan_free(facts, wanted, Rollback::never);
   if (facts.came_upon_obstacle) return plan_contact(facts, wanted);
-  const bool in_frame = wanted.method == Method::floating_frame;  // decides by the end of its steps
+  const bool in_frame = wanted.method == Method::floating_frame;  // it checks contact at the end of its steps
   if (in_frame && !facts.clear) return wanting(Want::clear);
   if (!in_frame || !*facts.clear) {
     if (!facts.within_reach) return wanting(Want::within_reach);
@@ -127,8 +130,8 @@ Candidates::Candidates() : implicit_work(infinity), leapfrog(infinity), adaptive
 
 bool leapfrog_is_enough(const Candidates& candidates) { return !(candidates.leapfrog > use::enough * candidates.least); }
 
-/// An implicit candidate wins by having done it within its budget. Among the others a candidate needs clearly less work than the last
-/// trial runs' winner.
+/// An implicit candidate wins if it has done the communication step within its budget. Any other candidate needs clearly less work than the
+/// winner of the last trial runs.
 Winner settle(const Candidates& candidates) {
   if (candidates.implicit_work < infinity)
     return {candidates.implicit, candidates.implicit_work,

@@ -14,11 +14,11 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Work of a communication step by forecast, relative to what is left, at which it is refused before it is done [1]: forecasts err.
+/// A communication step is refused before it is done if its forecast work is above this multiple of what is left [1]: forecasts err.
 constexpr double too_long = 1.2;
-/// What is left per communication step of the length that is remembered of those of late [1].
+/// Factor per communication step by which the remembered length of recent communication steps decays [1].
 constexpr double usual_decay = 0.8;
-/// A winner that needs so many times the forecast runs again [1].
+/// Trial runs are repeated if the winner needs this multiple of its forecast work [1].
 constexpr double overrun = 2.5;
 
 }  // namespace thresholds
@@ -42,7 +42,7 @@ StepStatus Propagator::advance(const StepContext& context, double H) {
   return StepStatus::ok;
 }
 
-/// What is known at once.
+/// Returns the facts that are known at once.
 Facts Propagator::facts(const StepContext& context, double H) const {
   Facts facts;
   facts.asked = context.request.method;
@@ -56,7 +56,7 @@ Facts Propagator::facts(const StepContext& context, double H) const {
   facts.pins = !context.drive.pins.empty();
   facts.explicit_alone = context.model.body.explicit_alone;
   const Drive& around = context.drive;
-  if (facts.obstacles && (around.planes.back().solid() || !around.free.empty())) {  // of plans impacts alone know these
+  if (facts.obstacles && (around.planes.back().solid() || !around.free.empty())) {  // only plans of contact know these
     facts.clear = false;
     facts.within_reach = true;
     if (facts.pins) facts.stiffness = 0;  // free obstacles may meet others
@@ -90,7 +90,7 @@ StepStatus Propagator::advance_planned(const StepContext& context, double H) {
   }
 }
 
-/// Whether a plan's stretch has to be planned again; its steps are rejected then.
+/// True if the sub-interval of a plan has to be planned again; its steps then count as rejected.
 bool Propagator::rolls_back(const StepContext& context, const Plan& plan, StepStatus status, Facts& facts) {
   if (plan.rollback == Rollback::never || status != StepStatus::contact_ahead) return false;
   facts.came_upon_obstacle = true;
@@ -101,7 +101,7 @@ bool Propagator::rolls_back(const StepContext& context, const Plan& plan, StepSt
 StepStatus Propagator::carry_out(const StepContext& context, const Plan& plan, double H) {
   ControllerState& control = context.run.control;
   const double begun = context.run.physical.motion.time, end = begun + H;
-  if (plan.method != control.method) context.run.physical.clock.unit = 0;  // how a given step is divided was for the other method
+  if (plan.method != control.method) context.run.physical.clock.unit = 0;  // the division of a given step was for the other method
   control.method = plan.method;
   control.reason = plan.reason;
   if (plan.steps != Steps::impacts && !context.drive.planes.empty()) context.run.physical.stiff.begin(Phase::flight);
@@ -124,7 +124,7 @@ StepStatus Propagator::carry_out(const StepContext& context, const Plan& plan, d
 StepStatus Propagator::run_by_trials(const StepContext& context, double end) {
   ControllerState& control = context.run.control;
   const State& motion = context.run.physical.motion;
-  const bool parts = std::ranges::any_of(context.drive.free, &FreeMotion::part);  // the others know none
+  const bool parts = std::ranges::any_of(context.drive.free, &FreeMotion::part);  // the other methods know no parts
   while (motion.time < end) {
     const double left = end - motion.time;
     if (parts) {
@@ -136,7 +136,7 @@ StepStatus Propagator::run_by_trials(const StepContext& context, double end) {
       trial_runs_.of(context.run).run(integrators_, calibrator_.of(context.run), context, left);
     const Method method = control.method = control.trials.winner;
     control.reason = control.trials.reason;
-    if (motion.time == end) break;  // a trial took it there
+    if (motion.time == end) break;  // a trial run has done it
     const Body& body = context.model.body;
     const bool creeps =
         !context.drive.pins.empty() && body.dashpots() && context.request.method == Method::automatic && !body.explicit_alone;

@@ -1,5 +1,5 @@
-/// Takes a soft body through one communication step: gathers facts, asks for a plan, carries it out, and goes back where that comes upon
-/// what the plan did not know.
+/// Takes a soft body through one communication step: gathers facts, asks for a plan and carries it out. Rolls back where the run comes upon
+/// something that the plan did not know.
 #pragma once
 #include "impacts/impacts.hpp"
 #include "kit/integrators.hpp"
@@ -14,15 +14,15 @@ namespace softffd {
 
 class Propagator {
  public:
-  /// samples: of the surface, where planes meet it.
+  /// samples: the samples of the surface, if planes meet the surface.
   Propagator(const Lattice& lattice, int planes, int pins, const Samples* samples = nullptr)
       : lattice_(lattice), integrators_(lattice, planes, pins, samples) {}
-  /// From the run's time to H later. On failure the run is spoilt and the caller restores it.
+  /// Runs from the run's time to H later. On failure the run is spoilt, and the caller restores it.
   StepStatus advance(const StepContext& context, double H);
-  /// Has every internal step looked at.
+  /// Has every internal step looked at by `points`.
   void follow(const FollowedPoints& points) { integrators_.follow(&points); }
   Budget& budget() { return integrators_.budget(); }
-  /// Number of matrices factored since the start: none unless implicit steps are tried.
+  /// Number of matrices factored since the start; zero as long as no implicit steps are tried.
   Count factorizations() const { return integrators_.factorizations(); }
 
  private:
@@ -40,7 +40,7 @@ class Propagator {
   Lazy<DampedSteps> damped_;
   Lazy<Impacts> impacts_;
   Lazy<TrialRuns> trial_runs_;
-  PhysicalState start_;  ///< of a stretch that may have to be gone back to
+  PhysicalState start_;  ///< snapshot of a sub-interval that may have to be rolled back
 };
 
 }  // namespace softffd

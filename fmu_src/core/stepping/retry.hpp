@@ -1,5 +1,5 @@
 /// Which results of a communication step stand, and which are tried again with smaller steps. `attempt(step_factor)` does the communication
-/// step from the run as it is, with that factor of the usual internal step; the trial goes back to its beginning.
+/// step from the run as it is, with that factor of the usual internal step; the snapshot takes a trial back to its beginning.
 #pragma once
 #include "kit/budget.hpp"
 #include "kit/snapshot.hpp"
@@ -10,16 +10,16 @@ namespace softffd {
 
 namespace thresholds {
 
-/// How often the internal step of a communication step without a finite result is halved: by experience on crushed and on collapsing bodies
-/// what five halvings do not mend more do not.
+/// How often the internal step of a communication step without a finite result is halved: by experience on crushed and on collapsing
+/// bodies, more halvings do not mend what five do not.
 inline constexpr int most_halvings = 5;
-/// Of the energy gained, what may be left with smaller steps if it was these that were at fault [1].
+/// Smaller steps have mended a gain of energy if at most this fraction of the gain is left [1].
 inline constexpr double mended = 0.25;
 
 }  // namespace thresholds
 
-/// The state went astray: tries smaller internal steps, as long as what all trials have taken is less than half of `most`, the call's work.
-/// divided: by how much.
+/// Tries smaller internal steps after the state went astray, as long as all trials together have taken no more than half of `most`, the
+/// call's work. divided: is multiplied by the factor by which the step is divided.
 template <class Attempt>
 StepStatus retry_divided(Run& run, Snapshot<Run>& snapshot, double most, double step_factor, StepStatus failure, double& divided,
                          Attempt&& attempt) {
@@ -36,9 +36,9 @@ StepStatus retry_divided(Run& run, Snapshot<Run>& snapshot, double most, double 
   return failure;
 }
 
-/// The body has gained energy at automatic steps: smaller ones from here on, and in this step already if it was the one. If they do not
-/// help the step stands. at_start: the energy account at the beginning, as a look there shows it. most: the call's work, of which as much
-/// is kept as the first attempt took.
+/// The body has gained energy at automatic steps: takes smaller steps from here on, and in this communication step already if the gain came
+/// from it. If smaller steps do not help, the communication step is repeated with the usual steps and stands. at_start: the energy account
+/// at the beginning, as a check there shows it. most: the call's work, of which enough is reserved to repeat the first attempt.
 template <class Attempt>
 StepStatus retry_gained(Run& run, Snapshot<Run>& snapshot, Budget& budget, double most, EnergyAccount at_start, Attempt&& attempt) {
   const EnergyAccount& before = snapshot.before().energy;

@@ -17,27 +17,28 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Factor of the tolerance that the summed errors may take by forecast, of contact of a surface, whose stretches err alike: rolling does
-/// [1].
+/// Multiple of the tolerance that the summed errors may take by forecast, for contact of a surface [1]. Errors of its sub-intervals point
+/// the same way, as in rolling.
 constexpr double surface_tolerance = 0.6;
-/// The same where its vertices strike, whose errors point now this way, now that way.
+/// The same if vertices of the surface strike, whose errors point now this way, now that way.
 constexpr double rattling_tolerance = 1;
-/// The same of contact of a body with internal damping, whose errors add to those of implicit steps.
+/// The same for contact of a body with internal damping, whose errors add to those of implicit steps.
 constexpr double damped_tolerance = 0.5;
-/// Of the allowed error, up to which one shorter step is enough to tell that none makes it smaller [1].
+/// If the error is below this multiple of the allowed error, one rerun with a shorter step suffices to conclude that shorter steps do not
+/// reduce it [1].
 constexpr double soon_believed = 16;
-/// Times that a stretch is run again.
+/// Largest number of reruns of a sub-interval.
 constexpr int most_reruns = 4;
-/// Stretches that may be run once after a success, at least and at most [1]. By experience on dropped and sliding bodies, as all of these.
+/// Bounds of the number of sub-intervals that may be run once after a success. By experience on dropped and sliding bodies, as all here.
 constexpr double shortest_trust = 8, longest_trust = 128;
-/// Of the allowed error, what the coarser run may have for that, and before it is trusted at all [1]: a change of the step may make a
-/// vibration larger by a third, and one that lost the trust by that would never come to rest.
+/// Fraction of the allowed error that the coarser run may have to keep that trust, and to be trusted at all [1]: a change of the step may
+/// make a vibration larger by a third, and a vibration that lost the trust by that would never come to rest.
 constexpr double trusted = 0.5, trusted_at_first = 0.125;
-/// Of the tolerance, what a stretch with an impact leaves at the end of the run from which on it is followed whatever touched before:
-/// velocities at its end, in the midst of the impact, differ by more than what lasts [1].
+/// A sub-interval with an impact is followed by a neighbour, whatever touched before, if its final error is above this fraction of the
+/// tolerance [1]: velocities at its end, in the midst of the impact, differ by more than what lasts.
 constexpr double noticed = 0.3;
-/// Bounds of the step's change after a stretch, the lower one in kit/thresholds.hpp, and before it is run again; growth where the error is
-/// zero [1].
+/// Factor of the step [1]: upper bound after a sub-interval (the lower one is in kit/thresholds.hpp), bounds before a rerun, value for no
+/// error.
 constexpr double next_growth = 1.5, rerun_shrink = 0.2, rerun_growth = 0.7, doubled_growth = 2;
 
 }  // namespace thresholds
@@ -46,38 +47,38 @@ namespace {
 
 namespace use = thresholds;
 
-/// Factor of the tolerance that the summed errors of stretches may take by forecast. rattles: of one in which vertices strike after a
-/// landing, or come and go as those of a damped body do.
+/// Multiple of the tolerance that the summed errors of sub-intervals may take by forecast. rattles: in the sub-interval vertices strike
+/// after a landing, or come and go as those of a damped body do.
 double forecast_share(const Body& body, bool rattles) {
   if (rattles) return use::rattling_tolerance;
   return body.samples ? use::surface_tolerance : body.dashpots() ? use::damped_tolerance : use::forecast_tolerance;
 }
 
-/// Whether the next stretches may be run once, after one that was run twice at the largest stable step with this error.
+/// Decides whether the next sub-intervals may be run once, after one that was run twice at the largest stable step with this error.
 void learn_trust(ContactSteps& contact, bool impact, bool good, double allowed, double error) {
   Count &trust = impact ? contact.impact : contact.free, &next = impact ? contact.impact_next : contact.free_next;
   trust = good ? next : 0;
   next = good ? std::min(2 * next, Count(std::clamp(allowed / error, use::shortest_trust, use::longest_trust))) : 1;
 }
 
-/// Of the step.
+/// Factor of the step.
 double factor_after(double allowed, double error) { return error > 0 ? use::safety * std::sqrt(allowed / error) : use::doubled_growth; }
 
-/// Whether shorter steps have made the error of a stretch smaller by less than half an order would: two runs then differ by what no step
-/// resolves, as by which of several places strikes first, or by how rows that depend on each other share friction. soon: one shorter step
-/// may tell; more have to have been tried before a larger error counts as such, one of an impact, or of a body with internal damping.
+/// True if shorter steps have reduced the error of a sub-interval by less than half an order would. Two runs then differ by what no step
+/// resolves, as by which of several places strikes first, or by how contact constraints that depend on each other share friction. soon: one
+/// shorter step may tell. Otherwise, for an impact or a body with internal damping, a larger error counts only after more tries.
 bool in_vain(const TriedStretch& tried, const TriedStretch& now, double allowed, int tries, bool soon) {
   if (!(now.h < tried.h && now.impact == tried.impact && now.error > tried.error * std::sqrt(now.h / tried.h))) return false;
   return tries > 1 || now.error <= (soon ? use::soon_believed : use::too_much) * allowed;
 }
 
-/// The next step after a stretch that is accepted. wanted: error that was to be met.
+/// Returns the next step after a sub-interval that is accepted. wanted: error that was to be met [m].
 double step_after(const TriedStretch& done, double wanted, double least) {
   return std::max(done.h * std::clamp(factor_after(wanted, done.error), use::next_shrink, use::next_growth), least);
 }
 
-/// Chooses it for a surface, of which more vertices may touch than there are control points. An impact does not make it shorter; what
-/// rattles may make it longer.
+/// Chooses the next step for a surface, of which more vertices may touch than there are control points. An impact does not make the step
+/// shorter; rattling may make it longer.
 void choose_step(ContactSteps& contact, const TriedStretch& done, bool rattles, double wanted, bool vain, double least) {
   TriedStretch& tried = contact.tried;
   ErrorFloor& floor = contact.floor;
@@ -97,14 +98,14 @@ void choose_step(ContactSteps& contact, const TriedStretch& done, bool rattles, 
     floor = {};
   contact.h = step_after(done, wanted, least);
   if (before.impact && done.h < before.h)
-    tried = before;  // it is still to come
+    tried = before;  // the impact is still to come
   else if (contact.h < done.h)
     tried = done;
 }
 
-/// The largest error of late, if steps of h had been taken: of this stretch, and of those before that make it a whole one. Where
-/// communication steps are shorter than a stretch, each sees but a part of a vibration; if each part had its own step, the steps would
-/// swing with the vibration and feed it, for what leapfrog keeps of a vibration's energy depends on the step.
+/// Largest recent error, if steps of h had been taken: of this sub-interval, and of those before that make it a whole one. Where
+/// communication steps are shorter than a sub-interval, each sees only a part of a vibration. If each part had its own step, the steps
+/// would swing with the vibration and feed it, because what leapfrog keeps of a vibration's energy depends on the step.
 double of_late(ContactSteps& contact, double error, double h, Count steps) {
   contact.largest = std::max(contact.largest, error / (h * h));
   contact.seen += steps;
@@ -186,7 +187,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const bool lands = strikes && !follows && off_obstacles(body, context.drive, begin, start_.motion.x, touching * body.length);
     const bool rattles = (strikes && !lands) || (body.samples && follows && body.dashpots());
     const double allowed = forecast_share(body, rattles) * context.request.tolerance * power(context.request.step_factor, 2);
-    const double stretch_time = double(steps) * part, of_difference = strikes || rattles ? 1 : 1.0 / 3;  // the finer run's error
+    const double stretch_time = double(steps) * part, of_difference = strikes || rattles ? 1 : 1.0 / 3;  // error of the finer run
     const FinalError leaves =
         final_error(context, coarse_, physical.motion, outlook(context, physical.motion), rattles ? stretch_time : 0).times(of_difference);
     const double by_end =
@@ -204,7 +205,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;
       const double trusted = contact.free_next > 1 ? use::trusted : use::trusted_at_first;
-      const bool good = at_limit && tries == 0 && 4 * worst <= trusted * allowed;  // 4: of the coarser run
+      const bool good = at_limit && tries == 0 && 4 * worst <= trusted * allowed;  // 4: error of the coarser run
       learn_trust(contact, impact, good, allowed, worst);
       if (body.samples)
         choose_step(contact, {part, worst, impact}, rattles, wanted, vain, least);

@@ -15,19 +15,19 @@ namespace softffd {
 
 namespace thresholds {
 
-/// Rounds of a calibration in trial runs: the first of leapfrog, of bm4, the others of leapfrog.
+/// Rounds of a calibration in trial runs: the first ones of leapfrog, those of bm4, the further ones of leapfrog.
 constexpr int trial_rounds = 1, trial_rounds_bm4 = 2, trial_rounds_left = 3;
-/// Work between two trial runs, in multiples of the trial runs' own, and its limit while the winner stays [1]; after a jolt. Measured
-/// before the pause was bound to their work: trial runs took 5 to 30 % of a run of a second. Now a tenth at most, and less while the winner
-/// stays.
+/// Work between two trial runs in multiples of the trial runs' own work, its limit while the winner stays, and the same after a jolt [1].
+/// Measured with a pause that was not bound to their work: trial runs took 5 to 30 % of a run of a second. With these pauses they take a
+/// tenth at most, and less while the winner stays.
 constexpr double trial_pause = 10, longest_trial_pause = 160, trial_pause_after_jolt = 3;
-/// Work that a trial of implicit steps may take; of that of explicit ones in what is left of the run, what its matrices may take [1].
+/// Work that a trial of implicit steps may take; fraction of the work of explicit steps in the rest of the run for its matrices [1].
 constexpr double longest_trial = 20'000, trial_share = 0.1;
-/// By how many steps in the place of one implicit one it is seen that the fastest mode creeps.
+/// Number of implicit steps in the place of one, by which it is seen that the fastest mode creeps.
 constexpr Count creep_parts = 16;
-/// Vibrations with time scales above this many implicit steps are resolved by their error control [1]. By experience.
+/// Vibrations whose time scale is above this many implicit steps are resolved by the error control of these steps [1]. By experience.
 constexpr double resolved = 8;
-/// Stretch of the trial of a method with error control in units of 1 / omega [1]: some steps, until it has found their size.
+/// Length of the trial of a method with error control in units of 1 / omega [1]: some steps, until the method has found their size.
 constexpr double controlled_window = 30;
 
 }  // namespace thresholds
@@ -36,7 +36,7 @@ namespace {
 
 namespace use = thresholds;
 
-/// Does internal damping leave the fastest modes no vibration?
+/// True if internal damping leaves the fastest modes no vibration.
 bool creeps(const StepContext& context) {
   const Body& body = context.model.body;
   return body.dashpots() && body.shortest_time() * bound(context) >= use::creeping;
@@ -64,7 +64,7 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
   const double longest = step_limit(context, Method::leapfrog, false),
                each = step_work(body, context.drive, context.run, Method::leapfrog, longest);
   candidates.least = std::max(1.0, H / longest) * each;
-  const double slower = each / traits(Method::leapfrog).work;  // by internal damping, which implicit steps hardly feel
+  const double slower = each / traits(Method::leapfrog).work;  // factor by internal damping, which implicit steps hardly feel
   const bool may_pay = context.model.stability.elastic() && !body.explicit_alone && implicit_may_pay(slower * H * bound(context));
   if (may_pay) try_implicit(integrators, context, H, candidates.least, candidates);
   if (!(candidates.implicit_work < infinity)) {
@@ -73,7 +73,7 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
     if (!leapfrog_is_enough(candidates)) {
       candidates.adaptive = body.damped ? Method::dop853 : Method::rkn12;
       const double least =
-          H / step_limit(context, candidates.adaptive, false) * traits(candidates.adaptive).work;  // by internal damping much
+          H / step_limit(context, candidates.adaptive, false) * traits(candidates.adaptive).work;  // with internal damping this is much
       if (!body.dashpots() || least < candidates.leapfrog)
         candidates.adaptive_work = controlled_work(integrators, context, candidates.adaptive, H);
       if (!body.dashpots()) {
@@ -96,9 +96,9 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
   record.due = work + std::max(record.pause * spent_, use::shortest_pause);
 }
 
-/// Without touching a matrix first: could implicit steps pay, and is there nothing that vibrates by more than they may ignore? others: the
-/// work of the others. First that of leapfrog at its stability limit, of which strong internal damping leaves little accuracy: where the
-/// tolerance asks for much more, the trial runs come back with that.
+/// Checks, without touching a matrix first, whether implicit steps could pay and nothing vibrates by more than they may ignore; then tries
+/// them. others: work of the other methods. At first this is the work of leapfrog at its stability limit, of which strong internal damping
+/// leaves little accuracy. Where the tolerance asks for much more work, the trial runs call again with that work.
 void TrialRuns::try_implicit(Integrators& integrators, const StepContext& context, double H, double others, Candidates& candidates) {
   const State& motion = context.run.physical.motion;
   candidates.implicit = implicit_method(!context.drive.pins.empty(), H * bound(context), turning_limit(context, motion.x, motion.v) < H);
@@ -106,7 +106,7 @@ void TrialRuns::try_implicit(Integrators& integrators, const StepContext& contex
   const double matrices = (1 + double(creeps(context) ? use::creep_parts : 1)) * integrators.implicit_work().factor;
   if (matrices > use::trial_share * others * left_of_run(context) / H) return;
   if (!implicit_may_win(H / step_limit(context, candidates.implicit, false) * step_work, others)) return;
-  const double shortest = H * step_work / (use::implicit_gain * others);  // step that would still pay
+  const double shortest = H * step_work / (use::implicit_gain * others);  // the step that would still pay
   if (too_loud(present_vibration(context.equations(), motion, context.model.time_scale, use::resolved * shortest),
                context.request.tolerance))
     return;
@@ -114,13 +114,14 @@ void TrialRuns::try_implicit(Integrators& integrators, const StepContext& contex
   candidates.implicit_work = implicit_work(integrators, context, candidates.implicit, H, budget);
 }
 
-/// Does one implicit step agree with explicit ones that resolve everything? Error estimates of implicit steps do not see what they damp.
-/// Where internal damping leaves fast modes no vibration, shorter implicit ones do: explicit ones err there themselves.
+/// True if one implicit step agrees with explicit steps that resolve everything. Error estimates of implicit steps do not see what the
+/// steps damp. Where internal damping leaves fast modes no vibration, the comparison is with shorter implicit steps: explicit steps err
+/// there themselves.
 bool TrialRuns::fast_modes_are_quiet(Integrators& integrators, const StepContext& context, Method method, double H) {
   const ImplicitWork& implicit = integrators.implicit_work();
   State& motion = context.run.physical.motion;
   const bool creep = creeps(context);
-  const double longest = creep ? step_limit(context, method, false) : infinity;  // no step of it turns the body further
+  const double longest = creep ? step_limit(context, method, false) : infinity;  // no step of the method turns the body further
   const double way = std::min({H, use::calibration_window / bound(context), longest}), begin = motion.time;
   const Method fine = creep ? method : Method::leapfrog;
   const Count steps = creep ? use::creep_parts : divisions(way, step_limit(context, Method::leapfrog, false));
@@ -140,7 +141,7 @@ bool TrialRuns::fast_modes_are_quiet(Integrators& integrators, const StepContext
   return quiet(worse(kernels::largest(n, fine_.x.data()), by_velocity), context.request.tolerance);
 }
 
-/// Work of an implicit method for H, by doing it; infinite beyond the budget, or where fast modes that it would damp are at work.
+/// Work of an implicit method for H, found by doing it; infinite beyond the budget, or if fast modes are at work that it would damp.
 double TrialRuns::implicit_work(Integrators& integrators, const StepContext& context, Method method, double H, double budget) {
   if (!fast_modes_are_quiet(integrators, context, method, H)) return infinity;
   Run& run = context.run;

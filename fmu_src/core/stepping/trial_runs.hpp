@@ -1,6 +1,6 @@
-/// Trial runs: each candidate that could win is tried on a short stretch, or on the communication step itself, and what that took is
-/// written to run.control.trials. Its facts are the works; plan.hpp decides. All trials are taken back, but for implicit steps that win:
-/// they have done what is left of the communication step already.
+/// Trial runs: each candidate that could win is tried on a short sub-interval, or on the communication step itself, and the result is
+/// written to run.control.trials. The facts are the works; plan.hpp decides. All trial runs are rolled back, except implicit steps that
+/// win: they have done what is left of the communication step already.
 #pragma once
 #include "kit/integrators.hpp"
 #include "stepping/calibration.hpp"
@@ -12,7 +12,7 @@ class TrialRuns {
  public:
   explicit TrialRuns(const Run& run) : start_(run), fine_(run.physical.motion) {}
 
-  /// Are trial runs due for what is left [s] of the communication step?
+  /// True if trial runs are due for what is left [s] of the communication step.
   static bool due(const StepContext& context, double H);
   void run(Integrators& integrators, Calibrator& calibrator, const StepContext& context, double H);
 
@@ -24,7 +24,7 @@ class TrialRuns {
 
   Run start_;
   State fine_;
-  double spent_ = 0;  ///< work of those at hand
+  double spent_ = 0;  ///< work of the current trial runs
 };
 
 }  // namespace softffd

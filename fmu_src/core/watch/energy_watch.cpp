@@ -8,7 +8,7 @@ namespace softffd {
 
 namespace {
 
-/// Work between two looks, in evaluations of the spring forces; a look costs about four. Damping makes gains rare.
+/// Work between two looks, in evaluations of the spring forces, without and with damping, which makes gains rare. A look costs about four.
 constexpr double pause = 100, damped_pause = 400;
 
 double kinetic_and_elastic(const Body& body, const State& state) {
@@ -32,7 +32,7 @@ double squared_forces(const Equations& equations, const State& state) {
 
 void start(EnergyAccount& account, const Equations& equations, const State& state, double work) {
   account.kinetic_elastic = kinetic_and_elastic(equations.body, state);
-  double exchanged = account.kinetic_elastic;  // with free bodies
+  double exchanged = account.kinetic_elastic;  // including free bodies
   for (const FreeMotion& each : equations.around.free) exchanged += each.kinetic_energy(state.free[each.index()]);
   account.forces = squared_forces(equations, state);
   account.received = 0;
@@ -57,11 +57,11 @@ void look(EnergyAccount& account, const Equations& equations, const State& state
   }
   start(account, equations, state, work);
   const double change = account.kinetic_elastic - energy - given - h * h / 8 * (account.forces - before);
-  account.gained = std::max(account.gained + change, 0.0);  // what is not a number stays so
+  account.gained = std::max(account.gained + change, 0.0);  // NaN stays NaN
   account.balance += change;
 }
 
-/// Whether the body is in windows between flights: what counts as its energy there is another, by the size of their steps.
+/// True if the body is in windows between flights: there the energy that counts is another, which depends on the size of the steps.
 bool between_flights(const Run& run) { return run.control.reason == Reason::impact; }
 
 double staggered_step(const Run& run) { return traits(run.control.method).staggered ? run.physical.clock.h : 0; }
@@ -88,13 +88,13 @@ double open_account(Run& now, const Run& before, const Model& model, const Drive
 void close_account(Run& now, const Model& model, const Drive& drive, const Points& begin, double booked) {
   EnergyAccount& account = now.energy;
   if (account.kinetic_elastic < 0 || now.control.method == Method::backward_euler ||
-      now.control.method == Method::sdirk2) {  // has a guard of its own
+      now.control.method == Method::sdirk2) {  // it has its own guard
     account.kinetic_elastic = -1;
     return;
   }
   const Exchange& exchange = now.physical.exchange;
   const bool flew = now.control.reason == Reason::impact || now.control.reason == Reason::ringing_flight;
-  const double taken = model.body.damped || flew ? 0 : exchange.dissipated;  // flights book it for the outputs alone
+  const double taken = model.body.damped || flew ? 0 : exchange.dissipated;  // flights book it only for the outputs
   account.received += (drive.force * (now.physical.motion.x - begin)).sum() + exchange.work - booked - taken;
   if (now.control.work >= account.due && !between_flights(now))
     look(account, {model.body, drive}, now.physical.motion, staggered_step(now), now.control.work);

@@ -1,9 +1,9 @@
-/// Points of the object that are followed through a communication step, where their outputs ask for it: the mean acceleration, and the
-/// largest values at the ends of internal steps.
+/// Points of the object that are followed through a communication step if their outputs ask for it: the mean acceleration, and the largest
+/// values at the ends of internal steps.
 ///
-/// A control point that lands stops at once, and a point that it moves has no acceleration then that internal steps could tell: the
-/// shorter they are, the larger. So the largest acceleration is that of means over a radian of the lattice's fastest vibration, or over
-/// an internal step that is longer.
+/// A control point that lands stops at once. A point that it moves has no acceleration then that internal steps could determine: the
+/// shorter the steps, the larger the value. The largest acceleration is therefore that of means over a radian of the lattice's fastest
+/// vibration, or over an internal step if that is longer.
 #pragma once
 #include <optional>
 #include <vector>
@@ -19,27 +19,27 @@ class FollowedPoints {
  public:
   FollowedPoints(const Sensed& sensed, const Lattice& lattice);
 
-  /// Where a communication step begins.
+  /// Call when a communication step begins.
   void begin(const Model& model, Run& run);
-  /// After an internal step of length h [s].
+  /// Call after an internal step of length h [s].
   void step(const Body& body, double h, Run& run) const;
-  /// Do internal steps have to be looked at?
+  /// True if internal steps have to be looked at.
   bool every_step() const { return every_step_; }
-  /// Where a communication step of length H [s] ends.
+  /// Call when a communication step of length H [s] ends.
   void end(const Body& body, double H, Run& run) const;
 
  private:
   struct Followed {
     Embedding at;
-    std::optional<SolidPlace> place;  ///< where its stress is wanted
+    std::optional<SolidPlace> place;  ///< set if its stress is wanted
     bool maximum;
     Vec3 value(const Points& points) const { return {at(points.col(0)), at(points.col(1)), at(points.col(2))}; }
   };
   void look(const Body& body, const Followed& each, double acceleration, const State& motion, PointReading& reading) const;
 
   std::vector<Followed> followed_;
-  std::vector<Vec3> begun_;  ///< velocities when the communication step began [m/s]
-  double radian_ = 0;        ///< over which accelerations are means [s]
+  std::vector<Vec3> begun_;  ///< velocities at the beginning of the communication step [m/s]
+  double radian_ = 0;        ///< time over which accelerations are averaged [s]
   bool every_step_ = false;
 };
 

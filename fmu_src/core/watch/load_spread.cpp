@@ -7,16 +7,16 @@ namespace softffd {
 
 namespace {
 
-/// Part of the largest product of weights below which samples are combinations of those before; part of a matrix that keeps weak fields
-/// out.
+/// If what remains of a sample's product of weights is below `same` times the largest, the sample is a combination of those before. `weak`
+/// times the trace is added to the diagonal of a matrix, which keeps weak fields out.
 constexpr double same = 1e-12, weak = 1e-12;
-/// What may be left of the control points' forces; more than `failed` of them: the share is not taken.
+/// Relative residual of the control points' forces that is small enough; above `failed` the distribution is not taken.
 constexpr double done = 1e-11, failed = 1e-6;
-/// Cells of the lattice between the nodes of a grid over which forces spread: a little more than the widest distance of a patch's nodes.
+/// Distance of a grid's nodes in cells of the lattice, for spreading forces: a little more than the widest distance of a patch's nodes.
 constexpr double wide = 1.5;
 constexpr int most_rounds = 20, balance_rounds = 6;
 
-/// forces += what is missing to this sum, as the weights are.
+/// Adds the missing sum to the forces, in proportion to the weights.
 void complete(const Scalars& weight, const Vec3& missing, Points& forces) {
   forces.matrix() += (weight / weight.sum()).matrix() * missing.transpose();
 }
@@ -68,7 +68,7 @@ void LoadSpread::share_touching(SharedLoad& load) {
   if (across(forces, rest)) load.across(chosen_, Eigen::all) = rest;
 }
 
-/// By Cholesky's factorization with pivots.
+/// Computes fields_ by Cholesky's factorization with pivoting.
 void LoadSpread::find_fields() {
   const int count = int(touching_.size());
   const Scalars once = Scalars::Ones(samples_.lattice().points());
@@ -98,12 +98,12 @@ void LoadSpread::factor(const Scalars& weight) {
   factor_.compute(matrix);
 }
 
-/// Of the parts along the normals. false: there is no such share, or none was found.
+/// Distributes the parts along the normals. Returns false if there is no such distribution, or none was found.
 bool LoadSpread::along(const Scalars& area, Scalars& forces) {
   const double sum = forces.sum();
   const Eigen::VectorXd wanted = fields_.transpose() * forces.matrix();
   Eigen::VectorXd y = Eigen::VectorXd::Zero(fields_.cols()), missing = wanted;
-  Scalars pressure = Scalars::Ones(area.size()), found;  // all push at first
+  Scalars pressure = Scalars::Ones(area.size()), found;  // at first all samples push
   for (int round = 0; round < most_rounds && missing.norm() > done * wanted.norm(); ++round) {
     factor((pressure > 0).select(area, 0.0));
     y += factor_.solve(missing);
@@ -116,7 +116,7 @@ bool LoadSpread::along(const Scalars& area, Scalars& forces) {
   return true;
 }
 
-/// Of the rest, by weights, of any sign.
+/// Distributes the other parts of the forces, of any sign, in proportion to the weights. Returns false if the result is not finite.
 bool LoadSpread::across(const Scalars& weight, Points& forces) {
   const Eigen::MatrixXd wanted = fields_.transpose() * forces.matrix();
   factor(weight);
@@ -129,7 +129,7 @@ bool LoadSpread::across(const Scalars& weight, Points& forces) {
   return true;
 }
 
-/// Of each sample at rest the nodes of both grids around it.
+/// Finds the nodes of both grids around the rest place of each sample, and their weights.
 void LoadSpread::find_hats(const SharedLoad& load) {
   const Lattice& lattice = samples_.lattice();
   hats_.resize(load.count());
@@ -161,7 +161,7 @@ void LoadSpread::find_hats(const SharedLoad& load) {
   }
 }
 
-/// Gathers values of the samples at the grids' nodes and gives them back, columns side by side.
+/// Restricts values of the samples to the nodes of the grids and prolongs them back, columns side by side.
 template <class Values>
 Values LoadSpread::times(const Values& values) const {
   Values nodes = Values::Zero(nodes_, values.cols()), sums = Values::Zero(values.rows(), values.cols());
@@ -176,7 +176,7 @@ void LoadSpread::smooth(SharedLoad& load) {
   find_hats(load);
   Scalars balance = times(load.area).sqrt().inverse();
   for (int round = 0; round < balance_rounds; ++round) balance = (balance / times<Scalars>(load.area * balance)).sqrt();
-  const Scalars kept = balance * times<Scalars>(load.area * balance);  // of each force; 1 but for what the rounds have left
+  const Scalars kept = balance * times<Scalars>(load.area * balance);  // fraction kept of each force; 1 up to the residual of the rounds
   const Points pushed = load.normal.colwise() * load.along;
   const Vec3 facing = pushed.colwise().sum().matrix().transpose().normalized();
   const Eigen::Matrix<double, Eigen::Dynamic, 3> flat = load.place.matrix() * (Eigen::Matrix3d::Identity() - facing * facing.transpose());

@@ -1,21 +1,22 @@
-/// How samples of the surface that touch an obstacle share its load. The contact rule finds what moves the body; where the samples are
-/// closer than the lattice can tell it leaves open which of them push, and takes a few. What is shown is in two steps.
+/// Distributes an obstacle's load over the samples of the surface that touch it. The contact rule finds what moves the body; where the
+/// samples are closer than the lattice can tell, it leaves open which of them push, and takes a few. The reported load takes two steps.
 ///
-/// Of the samples in touch the share of least norm that moves the control points alike,
+/// First, the touching samples get the load of least norm that moves the control points in the same way,
 ///
 ///      min sum_s f_s^2 / A_s        with  sum_s W_si f_s = sum_s W_si g_s for all control points i,   f_s >= 0,
 ///
-/// g being the rule's forces and A_s the areas: f_s = A_s max(0, p_s) with a pressure p that is a field of the lattice, found by Newton's
-/// method (Mangasarian 2004, A Newton method for linear programming, has the same problem). On a flat face this is the smooth pressure.
-/// Where the surface is curved against the obstacle, the lattice touches it at a few points of a cell, and no other share is possible.
+/// where g are the forces of the contact rule and A_s the areas. The solution is f_s = A_s max(0, p_s) with a pressure p that is a field
+/// of the lattice, found by Newton's method (Mangasarian 2004, A Newton method for linear programming, has the same problem). On a flat
+/// face this is the smooth pressure. Where the surface is curved against the obstacle, the lattice touches it at a few points of a cell,
+/// and no other distribution is possible.
 ///
-/// So each force then spreads over the samples near the obstacle in the cells of two grids, half as coarse again as the lattice and half a
-/// cell from each other, by weights
+/// Therefore each force is then spread over the samples near the obstacle in the cells of two grids, half as coarse again as the lattice
+/// and half a cell from each other, by weights
 ///
 ///      f_s <- sum_t A_s c_s h_st c_t f_t,      h_st = sum over the nodes n of both of  H_n(X_s) H_n(X_t),
 ///
-/// H_n being 1 at its node, 0 at the others and linear along each axis between them, with c such that sums stay and an even pressure stays
-/// even (Sinkhorn and Knopp 1967). At last the centre of pressure is put back.
+/// where H_n is 1 at its node, 0 at the others and linear along each axis between them, and c is such that sums are kept and an even
+/// pressure stays even (Sinkhorn and Knopp 1967). Finally the centre of pressure is restored.
 #pragma once
 #include <Eigen/Cholesky>
 #include <array>
@@ -27,13 +28,13 @@ namespace softffd {
 
 struct Touch {
   int at;              ///< control point or sample
-  bool touches;        ///< else it is near, and has no force so far
-  double area;         ///< that faces the obstacle [m2]
-  Vec3 place, normal;  ///< [m], unit vector of the obstacle there
-  Vec3 force;          ///< or impulse, on the body
+  bool touches;        ///< false: the sample is near and has no force so far
+  double area;         ///< area that faces the obstacle [m2]
+  Vec3 place, normal;  ///< [m], unit normal of the obstacle there
+  Vec3 force;          ///< force or impulse on the body
 };
 
-/// The same as arrays, a row each, the force along the normal, >= 0, and across.
+/// The touches as arrays, one row each, with the force split into the part along the normal, >= 0, and the part across.
 struct SharedLoad {
   std::vector<int> samples;
   std::vector<char> touching;
@@ -50,7 +51,7 @@ struct SharedLoad {
 class LoadSpread {
  public:
   explicit LoadSpread(const Samples& samples) : samples_(samples) {}
-  /// The sum of all forces stays to rounding.
+  /// Distributes the load. The sum of all forces is kept to rounding.
   void share(SharedLoad& load);
 
  private:
@@ -70,11 +71,11 @@ class LoadSpread {
   };
 
   const Samples& samples_;
-  std::vector<int> touching_, chosen_;  ///< samples that fields_ are of; rows of the load in touch
+  std::vector<int> touching_, chosen_;  ///< samples that fields_ belong to; their rows of the load
   Eigen::MatrixXd fields_;              ///< (touching, rank): W W^T = fields fields^T
   Eigen::LLT<Eigen::MatrixXd> factor_;
-  std::vector<Hats> hats_;  ///< of each row
-  int nodes_ = 0;           ///< of both grids
+  std::vector<Hats> hats_;  ///< of each row of the load
+  int nodes_ = 0;           ///< number of nodes of both grids
 };
 
 }  // namespace softffd

@@ -89,7 +89,7 @@ Vibration Readings::set_off(double kink, Points& scratch, Points& more) const {
   const State& start = before.physical.motion;
   if (followed) {
     scratch = drive.force - *before.outside;
-  } else {  // what is left over of the forces once they hold the body on its turn
+  } else {  // the forces less those that hold the body on its turn
     const RigidMotion rigid = rigid_motion(model.body.mass, start.x, start.v);
     scratch = drive.force + start.spring;
     for (int p = 0; p < model.body.points(); ++p) {

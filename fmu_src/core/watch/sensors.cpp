@@ -8,13 +8,13 @@ namespace softffd {
 
 namespace {
 
-/// Of the box, for differences along the surface.
+/// Distance of differences along the surface, as a fraction of the largest side of the box.
 constexpr double apart = 1e-4;
-/// Least part of a place's area that counts where it faces the obstacle from the side.
+/// Least fraction of a place's area that counts if the area faces the obstacle from the side.
 constexpr double least_facing = 1e-3;
-/// Of a cell, the gap within which a sample takes part in a load.
+/// Gap within which a sample takes part in a load, as a fraction of the shortest side of a cell.
 constexpr double near_by = 1.0 / 16;
-/// Of the largest pressure, that from which on an area counts as touched.
+/// An area counts as touched if its pressure is above this fraction of the largest pressure.
 constexpr double pressed_part = 0.01;
 
 }  // namespace
@@ -24,7 +24,7 @@ Sensors::Sensors(const Sensed& sensed, const Lattice& lattice, const Samples* sa
   if (samples) spread_.emplace(*samples);
 }
 
-/// Of the surface there now, outward [m2]: two directions along it go with the material.
+/// Returns the present outward area vector of the surface at a place [m2]: two directions along the surface move with the material.
 Vec3 Sensors::area(int at, const Points& x) const {
   const Vec3& rest = sensed_.areas[at];
   const double size = rest.norm();
@@ -45,7 +45,7 @@ Vec3 Sensors::area(int at, const Points& x) const {
   return size * stretched(first).cross(stretched(normal.cross(first)));
 }
 
-/// The places that touch this obstacle, and of samples those near it, with its impulses on them.
+/// Collects the places that touch this obstacle, and the samples near it, with the obstacle's impulses on them.
 void Sensors::meet(const Plane& obstacle, double within, const Points& impulses, const State& motion) {
   touches_.clear();
   const double near = near_by * lattice_.cell().minCoeff();

@@ -1,5 +1,5 @@
-/// Contact forces on patches of the surface, as the outputs of sensors show them: means over the last communication step, where the body
-/// is at its end.
+/// Contact forces on patches of the surface, as the outputs of sensors report them: means over the last communication step, with the body
+/// in its position at the end of that step.
 #pragma once
 #include <optional>
 
@@ -12,10 +12,10 @@ namespace softffd {
 
 class Sensors {
  public:
-  /// samples: of the surface; null: control points touch. All must outlive this.
+  /// samples: of the surface; null if control points meet obstacles. All arguments must outlive this object.
   Sensors(const Sensed& sensed, const Lattice& lattice, const Samples* samples);
 
-  /// After a communication step: what touched, in `run.sensors`. within: how far from an obstacle a sample is that it still touches [m].
+  /// Call after a communication step: writes `run.sensors`. within: gap up to which a sample counts as touching an obstacle [m].
   void read(const Drive& drive, double within, Run& run);
 
  private:
@@ -28,12 +28,12 @@ class Sensors {
   const Lattice& lattice_;
   const Samples* samples_;
   Points rest_;                       ///< control points at rest [m]
-  std::optional<LoadSpread> spread_;  ///< of samples
-  std::vector<Touch> touches_;        ///< of one obstacle [N s]
+  std::optional<LoadSpread> spread_;  ///< set if samples meet obstacles
+  std::vector<Touch> touches_;        ///< impulses of one obstacle [N s]
   SharedLoad load_;
-  // of all places, by all obstacles:
-  Points force_;                       ///< [N s]
-  Scalars pressing_, area_, largest_;  ///< along the normals [N s]; where that counts [m2]; their ratio, the largest [N s / m2]
+  // for each place, over all obstacles:
+  Points force_;                       ///< impulse [N s]
+  Scalars pressing_, area_, largest_;  ///< impulse along the normals [N s]; area that counts [m2]; largest impulse per area [N s / m2]
 };
 
 }  // namespace softffd

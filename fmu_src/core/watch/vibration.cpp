@@ -19,7 +19,7 @@ double outside_less_damping(const Equations& equations, const State& state, int 
   return around.force.data()[i] + ramp - body.damping[i % body.points()] * state.v.data()[i];
 }
 
-/// Of a body without pins, its damping included [m/s2].
+/// Returns the mean acceleration of a body without pins by the outside forces and its damping [m/s2].
 Vec3 mean_acceleration(const Equations& equations, const State& state) {
   const Body& body = equations.body;
   Vec3 force = Vec3::Zero();
@@ -32,7 +32,7 @@ double size(const Equations& equations, const State& state, const Scalars& time_
   const Body& body = equations.body;
   const Points& inner = equations.inner(state.x, state.v, state.spring, body.scratch);
   const Swing by{time_scale, slowest, times, body.dashpots() ? body.shortest_time() : 0, with_extension};
-  double amplitude = 0, sum = 0;  // of what is compared
+  double amplitude = 0, sum = 0;  // largest and sum of the compared displacements
   const auto consider = [&](double size) {
     amplitude = std::max(amplitude, size);
     sum += size;
@@ -47,7 +47,7 @@ double size(const Equations& equations, const State& state, const Scalars& time_
   return std::isfinite(sum) ? 2 * amplitude : std::numeric_limits<double>::infinity();
 }
 
-/// The rigid motion that vibrations are relative to: the body's own, or that of what holds it.
+/// Returns the rigid motion that vibrations are relative to: that of the body, or of the pin that holds it.
 RigidMotion carrier(const Equations& equations, const State& state) {
   if (equations.around.pins.empty()) return rigid_motion(equations.body.mass, state.x, state.v);
   const Frame frame = equations.around.pins.front().at(state.time);

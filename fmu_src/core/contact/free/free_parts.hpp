@@ -1,10 +1,10 @@
-/// Free bodies in an explicit step: half kicks of the parts of free pins, and flights.
+/// Free bodies in an explicit step: half kicks of the parts of free pins, and free flight.
 #pragma once
 #include "contact/contact.hpp"
 
 namespace softffd {
 
-/// Half a kick of the parts of free pins. impulse: of the forces in it on point p [N s].
+/// Gives the parts of free pins a half kick. impulse(p): impulse of the forces on point p in the half kick [N s].
 template <class Impulse>
 void kick_parts(const StepView& step, std::vector<FreeState>& free, const Impulse& impulse) {
   for (const FreeMotion& each : step.around.free) {
@@ -22,7 +22,7 @@ void kick_parts(const StepView& step, std::vector<FreeState>& free, const Impuls
   }
 }
 
-/// To the end of the step, without contact.
+/// Moves the free bodies to the end of the step, without contact.
 inline void fly(const StepView& step, std::vector<FreeState>& free) {
   for (const FreeMotion& each : step.around.free) free[each.index()] = each.flown(free[each.index()], step.t1);
 }

@@ -6,7 +6,7 @@ namespace softffd {
 
 namespace {
 
-/// [arm]x, so that it times v is arm x v.
+/// Returns the matrix [arm]x, for which [arm]x v = arm x v.
 Eigen::Matrix3d cross(const Vec3& arm) {
   Eigen::Matrix3d matrix;
   matrix << 0, -arm[2], arm[1], arm[2], 0, -arm[0], -arm[1], arm[0], 0;
@@ -124,7 +124,7 @@ Vec3 FreeRows::motion_of_solid(const SurfaceRow& row) const {
   return twists_[k].at(place_of(row) - (*states_)[k].position);
 }
 
-/// f = -G^-1 (away + J t) with the twists t = Y J' f, so that (1 + Y J' G^-1 J) t = -Y J' G^-1 away.
+/// f = -G^-1 (away + J t) with the twists t = Y J' f, so that (1 + Y J' G^-1 J) t = -Y J' G^-1 away. J: handles; Y: yields.
 void FreeRows::stick(const std::vector<Handles>& handles, const std::vector<Vec3>& away, const std::function<void(double*)>& solve,
                      std::vector<Vec3>& forces) const {
   const std::size_t n = handles.size(), bodies = yields_.size();
@@ -133,7 +133,7 @@ void FreeRows::stick(const std::vector<Handles>& handles, const std::vector<Vec3
   for (std::size_t a = 0; a < n; ++a) Eigen::Map<Eigen::Vector4d>(&columns[4 * a]) << away[a], 0;
   solve(columns.data());
   for (std::size_t a = 0; a < n; ++a) forces[a] = -Vec3(columns[4 * a], columns[4 * a + 1], columns[4 * a + 2]);
-  std::vector<std::vector<Handle>> responses(bodies);  // G^-1 of the shares and the arms
+  std::vector<std::vector<Handle>> responses(bodies);  // G^-1 times the columns of `share` and `arm`
   for (std::size_t k = 0; k < bodies; ++k) {
     for (std::size_t a = 0; a < n; ++a) {
       const Handle own = handle_on(int(k), handles[a]);

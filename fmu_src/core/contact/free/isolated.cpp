@@ -42,7 +42,7 @@ double Isolated::give_back(const Points& x, Points& v, std::vector<FreeState>& f
   return spin.dot(now.momentum + 0.5 * lack);
 }
 
-/// A part has the points that it holds.
+/// The mass of a part includes the points that it holds.
 Isolated::Whole Isolated::whole(const Points& x, const Points* v, const std::vector<FreeState>& free) const {
   const auto& [body, around] = *equations_;
   const auto each_point = [&](auto see) {

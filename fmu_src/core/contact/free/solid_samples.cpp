@@ -9,19 +9,19 @@ namespace softffd {
 namespace {
 
 constexpr int corners = 8, edges = 12, on_rim = 8;
-/// Tilt of a rim below which none of its points counts as lowest: noise would turn the samples round [rad].
+/// If the tilt of a rim is below this value, none of its points counts as lowest, because noise would turn the samples round [rad].
 constexpr double level = 1e-5;
 /// Cosine of an eighth of a turn.
 constexpr double half_root = 0.70710678118654752440;
 constexpr double cosines[on_rim] = {1, half_root, 0, -half_root, -1, -half_root, 0, half_root};
-/// By which the ends of what lies over a face are within it, in the length of the edge [1].
+/// The ends of the part of an edge that lies over a face are shifted inwards by this fraction of the edge's length [1].
 constexpr double within = 1e-6;
 
 struct Segment {
   Vec3 from, to;
   Vec3 at(double share) const { return from + share * (to - from); }
 };
-/// Shares of a segment, from and to; none of it where the one is beyond the other. out: of the face that it is over.
+/// Part of a segment between two fractions of its length; empty if `begin` exceeds `end`. out: normal of the face that the part is over.
 struct Part {
   double begin = 0, end = 1;
   Vec3 out = Vec3::Zero();
@@ -48,7 +48,7 @@ Segment edge(const PlaneMotion& box, const SolidPose& pose, int e) {
   return {corner(box, pose, from), corner(box, pose, from | 1 << axis)};
 }
 
-/// Over the face of a box that the segment is furthest in front of.
+/// Returns the part of a segment over the face of a box that the segment is farthest in front of.
 Part over_box(const PlaneMotion& box, const SolidPose& pose, const Segment& segment) {
   const Vec3 half = 0.5 * box.sides, from = pose.edges.transpose() * (segment.from - pose.point);
   const Vec3 to = pose.edges.transpose() * (segment.to - pose.point), slope = to - from;
@@ -60,7 +60,7 @@ Part over_box(const PlaneMotion& box, const SolidPose& pose, const Segment& segm
   return part;
 }
 
-/// Over an end of a cylinder, or where it is nearest to the axis.
+/// Returns the part of a segment over an end of a cylinder, or, over the lateral surface, the one point that is nearest to the axis.
 Part over_cylinder(const PlaneMotion& cylinder, const SolidPose& pose, const Segment& segment) {
   const Vec3 arm = segment.from - pose.point, way = segment.to - segment.from;
   const double height = pose.normal.dot(arm), rise = pose.normal.dot(way), half = 0.5 * cylinder.length;
@@ -81,7 +81,7 @@ Part over_cylinder(const PlaneMotion& cylinder, const SolidPose& pose, const Seg
   return part;
 }
 
-/// End n of what lies over the other obstacle of a segment; none where that is the segment's own end.
+/// Returns end n of the part of a segment that lies over the other obstacle; none if this is an end of the segment itself.
 std::optional<SolidSample> end_over(const Segment& segment, int n, const Plane& other, const SolidPose& its_pose) {
   if (!other.solid() || samples_of(other) == 1 || (other.own && other.box())) return {};
   const Part part = other.box() ? over_box(other, its_pose, segment) : over_cylinder(other, its_pose, segment);

@@ -8,11 +8,11 @@ namespace softffd {
 
 namespace {
 
-/// The elastic part of friction is so much stiffer than the stiffest spring, but no shorter than this share of the box.
+/// The elastic part of friction is this much stiffer than the stiffest spring [1], but its slip is at least this fraction of the box.
 constexpr double stiffer_than_springs = 1e5, shortest_reach = 1e-9;
-/// The largest friction may leave the scale that its stiffness is made for by this factor, up or down.
+/// Factor, up or down, by which the largest friction may leave the scale that its stiffness is made for, before a new scale is adopted.
 constexpr double scale_room = 4;
-/// Relative change of friction's stiffness for which the matrix is made anew.
+/// Relative change of friction's stiffness above which the matrix is made anew.
 constexpr double stiffness_change = 0.5;
 
 }  // namespace
@@ -27,7 +27,7 @@ bool ContactSet::scale_friction(double length, double largest_stiffness) {
   return true;
 }
 
-/// Tangential motion of the point less that of the plane's material, and what has slipped before.
+/// Tangential motion of the point relative to the plane's material in this step, plus the elastic slip at its start [m].
 Vec3 ContactSet::slip(const Touch& touch, const Vec3& x0, const Vec3& moved, double h) const {
   const Vec3 slip = tangential(touch.normal, moved - h * material_velocity(touch.plane, x0 + 0.5 * moved));
   return load_scale_ > 0 ? Vec3(slip - reach_ / load_scale_ * touch.held) : slip;
@@ -54,7 +54,7 @@ bool ContactSet::find_friction(const Points& x0, const Points& u, double h, doub
   return changed;
 }
 
-/// Whether the friction at hand is far from what the matrix has.
+/// True if the stiffness of friction differs too much from that in the matrix.
 bool ContactSet::left(const Touch& touch, double slight) {
   const double more = std::abs(touch.wanted - touch.stiffness);
   const bool turned = touch.wanted > slight && touch.stiffness > 0 && touch.sticks != touch.direction.isZero(0);

@@ -1,4 +1,4 @@
-/// Whether the iterations of a Newton's method with a kept matrix come nearer to the solution, and what to do where they do not.
+/// Whether the iterations of a Newton's method with a kept matrix approach the solution, and what to do where they do not.
 #pragma once
 #include <algorithm>
 #include <limits>
@@ -7,7 +7,7 @@ namespace softffd {
 
 class Convergence {
  public:
-  /// Takes the size of the next iteration's change; fresh: its matrix was made at this very state.
+  /// Takes the size of the change in the next iteration [m]; fresh: its matrix was made at this very state.
   void add(double size, bool fresh) {
     const double ratio = last_ > 0 ? size / last_ : 0;
     left_ = last_ > 0 && ratio < fair ? size * ratio / (1 - ratio) : std::numeric_limits<double>::infinity();
@@ -19,21 +19,21 @@ class Convergence {
     circles_ = stalled_ > patience;
     if (stalled_ == despair) stalled_ = 0;
   }
-  /// What the next iterations will still change, by the last two [m]; infinite where there are no two.
+  /// What further iterations will still change, estimated from the last two [m]; infinite if there are no two, or they show no progress.
   double left() const { return left_; }
-  /// The kept matrix does not serve any more.
+  /// True if the kept matrix does not serve any more.
   bool needs_matrix() const { return needs_matrix_; }
-  /// The next iterations are to be slow and safe.
+  /// True if the next iterations should be slow and safe.
   bool cautious() const { return cautious_; }
-  /// The iterations do not come nearer: one that goes back is to be halved.
+  /// True if the iterations do not approach the solution: a change that goes back should be halved.
   bool circles() const { return circles_; }
 
  private:
-  /// Ratio of a change to the one before that is progress, and with an old matrix at first.
+  /// Ratios of a change to the one before: below `fair` it is progress; above `first_slowest` the matrix is made anew, at first.
   static constexpr double fair = 0.5, first_slowest = 0.1;
-  /// A matrix of the state itself may be so much slower before a newer one is expected to be faster.
+  /// A newer matrix is expected to be faster if the ratio exceeds that of a fresh matrix by more than this factor.
   static constexpr double no_faster = 1.5;
-  /// Iterations without progress, those with it counted against them: what is too many, and what is too many for caution.
+  /// Iterations without progress less those with it. Above `patience` the next ones are cautious; at `despair` the count starts again.
   static constexpr int patience = 2, despair = 6;
 
   double left_ = std::numeric_limits<double>::infinity(), last_ = 0, slowest_ = first_slowest;

@@ -1,4 +1,4 @@
-/// Free bodies in an implicit step: the parts of free pins, which are unknowns of its equations, and what the reactions give obstacles.
+/// Free bodies in an implicit step: parts of free pins, which are unknowns of its equations, and impulses of reactions on obstacles.
 #include <algorithm>
 
 #include "body/rigid_motion.hpp"
@@ -23,7 +23,7 @@ void ImplicitStage::place_pins(const Step& step) {
   }
 }
 
-/// The parts of free pins begin as they moved before.
+/// Opens the parts of free pins. At first each part goes on as it moved before.
 void ImplicitStage::open_parts(const Step& step) {
   free = step.from.free;
   parts_.clear();
@@ -38,7 +38,7 @@ void ImplicitStage::open_parts(const Step& step) {
   }
 }
 
-/// Where it has moved to in the step, with the velocities that bring it there.
+/// Places a part where it has moved to in the step, with the velocities that take it there.
 void ImplicitStage::place_part(const Step& step, const FreeMotion& body, const FreePart& part) {
   const FreeState& from = step.from.free[body.index()];
   FreeState& end = free[body.index()];
@@ -68,7 +68,7 @@ void ImplicitStage::find_parts_residual(const Step& step) {
   }
 }
 
-/// Takes the parts where a change has moved their points. Returns the square of the largest turn [rad2].
+/// Moves the parts to where a change has moved their points. Returns the square of the largest turn [rad2].
 double ImplicitStage::move_parts(const Step& step, const Points& change) {
   double largest = 0;
   auto part = parts_.begin();
@@ -90,14 +90,14 @@ double ImplicitStage::move_parts(const Step& step, const Points& change) {
     }
     const RigidMotion motion = rigid_motion(Scalars::Ones(n), at, by);
     moved.move += motion.velocity + motion.spin.cross(centre - motion.centre);
-    moved.turn += motion.spin + 0.5 * motion.spin.cross(moved.turn);  // of two turns, to second order
+    moved.turn += motion.spin + 0.5 * motion.spin.cross(moved.turn);  // composes two turns, to second order
     place_part(step, each, *part++);
     largest = std::max(largest, motion.spin.squaredNorm());
   }
   return largest;
 }
 
-/// In scratch_ is what all forces leave of the points' balance.
+/// True if each part is in balance, to within `slack` [N]. scratch_ must hold the residual of the points' balance with all forces.
 bool ImplicitStage::parts_in_balance(double slack) const {
   return std::ranges::all_of(parts_, [&](const FreePart& part) {
     Vec3 force = part.lack.force, torque = part.lack.torque;
@@ -114,10 +114,10 @@ bool ImplicitStage::parts_in_balance(double slack) const {
   });
 }
 
-/// Free bodies take what the reactions are reported to give their obstacles.
+/// Gives free obstacles the impulses that the reactions are reported to exert on them.
 void ImplicitStage::push_free(const Step& step) {
   for (const FreeMotion& each : step.equations.around.free) {
-    if (each.part()) continue;  // it is where its points are
+    if (each.part()) continue;  // a part is where its points are
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
     for (const Reaction& reaction : reactions_) {
       const int own = each.body().plane;
@@ -141,7 +141,7 @@ SolidPose ImplicitStage::pose_of(const Step& step, int obstacle, bool at_end) co
   return plane.pose_at(at_end ? step.t + step.h : step.t);
 }
 
-/// Of what the obstacle meets there.
+/// Place at the start of the step of the material that the obstacle meets [m].
 Vec3 ImplicitStage::place_at_begin(const Step& step, const Reaction& at) const {
   return on_body(at) ? touches_->value(at, step.from.x) : at.begin;
 }
@@ -163,7 +163,7 @@ ImplicitStage::OnFree ImplicitStage::on_free(const Step& step, const Reaction& a
   return {free_sample ? at.plane : at.solid, given, given.dot(velocity)};
 }
 
-/// Less what other obstacles do on them.
+/// The work that other obstacles do on the free bodies is subtracted.
 double ImplicitStage::work_of_free(const Step& step) const {
   double work = 0;
   for (const Pin& pin : step.equations.around.pins)
@@ -177,7 +177,7 @@ double ImplicitStage::work_of_free(const Step& step) const {
   return work;
 }
 
-/// Free obstacles as they end the step by the forces at hand; rows are at x.
+/// Places free obstacles where the present forces take them by the end of the step. The contact constraints are taken at x.
 void SurfaceTouches::place_free(const Points& x) {
   const Drive& around = step_->equations.around;
   const double h = step_->h;
@@ -204,7 +204,8 @@ void SurfaceTouches::place_free(const Points& x) {
   set_.delassus().set_free(&free_rows_);
 }
 
-/// What the forces at hand, turned with their tangents, give free bodies there beside what placed them: light ones go far by it.
+/// Computes the wrench on each free body that the present forces, turned with their half-spaces, exert beyond the one that placed the
+/// body. Light bodies move far by it.
 void SurfaceTouches::find_lack() {
   lack_.assign(placed_by_.size(), {});
   if (!free_rows_.any()) return;

@@ -9,17 +9,18 @@ namespace softffd {
 
 namespace {
 
-/// A body that buckles jumps to its next equilibrium as fast as its own vibrations are: for a moment steps have to be that short.
+/// Largest number of successive halvings of a step. A body that buckles jumps to its next equilibrium as fast as its own vibrations are,
+/// and for a moment steps have to be that short.
 constexpr int most_halvings = 20;
-/// Backward Euler gains energy only where a body falls off an edge on which it balances, and then of second order in the step; a solution
-/// with more gain than this share of the energies that are exchanged lies on another branch, a folded one for example.
+/// Backward Euler gains energy only where a body falls off an edge on which it balances, and then the gain is of second order in the step.
+/// A solution that gains more than this fraction of the exchanged energies lies on another branch, with inverted cells for example.
 constexpr double most_gain = 0.02;
 
-/// Of SDIRK2: 1 - 1 / sqrt(2).
+/// Parameter of SDIRK2: 1 - 1 / sqrt(2).
 constexpr double gamma = 0.29289321881345247560;
-/// Of the balance of its stages, in the largest force [1].
+/// Allowed residual in the stages of SDIRK2, as a fraction of the largest force [1].
 constexpr double accuracy = 1e-6;
-/// Weights of the velocities at t, t + gamma h and t + h that add to its step what makes it third order for a smooth motion.
+/// Weights of the velocities at t, t + gamma h and t + h. The step plus h times the weighted sum is of third order for a smooth motion.
 constexpr double at_end = 0.19526214587563495, at_stage = -at_end / gamma, at_begin = -at_end - at_stage;
 
 }  // namespace
@@ -54,7 +55,7 @@ StepStatus ImplicitContact::advance_in_parts(const Equations& equations, double 
   return advance_in_parts(equations, t + 0.5 * h, 0.5 * h, watch, state, exchange, depth + 1);
 }
 
-/// count: what it loses beyond dampers and friction.
+/// count: `lost_` becomes the energy that is lost beyond dampers and friction.
 StepStatus ImplicitContact::take_euler(const Step& step, bool watch, State& state, Exchange& exchange, bool count) {
   ++steps_;
   open(step);
@@ -145,15 +146,15 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   return StepStatus::ok;
 }
 
-/// The second stage throws back what the first one stops, or what lies behind an obstacle between them.
+/// Takes a step of backward Euler: the second stage would throw back what the first one stops, or what lies behind an obstacle between.
 StepStatus ImplicitContact::strike(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange) {
   const StepStatus status = take_euler({equations, t, h, state, t + 0.5 * h, kept_}, watch, state, exchange, true);
   bend_ = std::numeric_limits<double>::infinity();
   return status;
 }
 
-/// The step's energies: outside: work of all outside forces, of which ramps'; work: of planes and pins [J]. Returns whether the solution
-/// can be believed.
+/// Balances the energies of the step [J]. outside: work of all outside forces; ramp_work: the part of it by ramps; work: that of planes
+/// and pins. Returns whether the solution is credible.
 bool ImplicitContact::close(const Step& step, double outside, double work, bool watch, double ramp_work, Exchange& exchange) {
   const Body& body = step.equations.body;
   double before = 0, gain = 0;
@@ -168,7 +169,7 @@ bool ImplicitContact::close(const Step& step, double outside, double work, bool 
   const double exchanged = before + elastic0 + std::abs(outside) + std::abs(work);
   if (!(std::isfinite(loss) && loss >= -most_gain * exchanged - stage_.noise())) return false;
   lost_ = loss;
-  for (const FreeMotion& each : step.equations.around.free) {  // what they lost by the step itself
+  for (const FreeMotion& each : step.equations.around.free) {  // energy that free bodies lost by the step itself
     const FreeState &from = step.from.free[each.index()], &end = stage_.free[each.index()];
     const auto [force, torque] = each.mean_loads(from, step.h);
     const double loads = force.dot(end.position - from.position) + 0.5 * step.h * torque.dot(each.spin(from) + each.spin(end));
@@ -188,12 +189,12 @@ void ImplicitContact::open(const Step& step) {
   if (alone_) isolated_.begin(step.equations, step.from);
 }
 
-/// Of the outside, for so long as at the stage.
+/// Adds the angular impulse of the outside torques at the present stage, which act for `weight` [s].
 void ImplicitContact::add_torques(double weight) {
   if (alone_) isolated_.add(weight, stage_.force(), stage_.x, stage_.free);
 }
 
-/// Gives back what angular momentum the step has lost.
+/// Gives back the angular momentum that the step has lost.
 void ImplicitContact::turn_back(bool watch, Exchange& exchange) {
   if (!alone_) return;
   const double given = isolated_.give_back(stage_.x, stage_.v, stage_.free);

@@ -1,19 +1,19 @@
-/// Contact of stiff bodies in implicit steps, for steps that are long compared with the body's oscillations: backward Euler, and the method
-/// of second order whose stages are two such steps (implicit_stage.hpp).
+/// Contact of stiff bodies in implicit steps that are long compared with the body's oscillations: backward Euler, and the method of second
+/// order whose two stages are such steps (implicit_stage.hpp).
 ///
-/// Backward Euler damps what it cannot follow and keeps equilibrium, sliding and rigid motion. Its outside forces are those of mid-step, so
-/// that ramps give their whole impulse. Its first-order error takes energy from rotations too, the share |omega| h / 2 a radian, and a
-/// bounce is over after two steps. A Newton's method that does not converge, or a solution that has gained energy, is another branch or
-/// none: the step is done in two halves.
+/// Backward Euler damps motions that its step is too long for, and preserves equilibrium, sliding and rigid motion. The outside forces are
+/// those of mid-step, so that ramps give their whole impulse. The first-order error takes energy from rotations too, the fraction
+/// |omega| h / 2 per radian, and a bounce is over after two steps. If Newton's method does not converge, or its solution has gained
+/// energy, then the solution is on another branch or there is none: the step is done in two halves.
 ///
 /// SDIRK2 (Alexander 1977) with g = 1 - 1 / sqrt(2): L-stable, stiffly accurate, second order,
 ///
 ///      stage 1   (x1, v1) from (x0, v0) over g h
 ///      stage 2   (x, v) from (x0 + (1 - g) h v1, v0 + (1 - g) / g (v1 - v0)) over g h: the end of the step
 ///
-/// with loads, obstacles and pins as they are at t + g h and t + h. Both stages obey the contact's law, so the step's end does; impulses,
-/// work and losses of the step are (1 - g) / g times those of stage 1 and those of stage 2. A step in which a place strikes an obstacle is
-/// one of backward Euler: the second stage would throw back what the first one stops.
+/// with loads, obstacles and pins as they are at t + g h and t + h. Both stages obey the law of contact, hence the end of the step does.
+/// The impulses, work and losses of the step are (1 - g) / g times those of stage 1 plus those of stage 2. A step in which a place strikes
+/// an obstacle is done by backward Euler: the second stage would throw back what the first one stops.
 #pragma once
 #include "contact/free/isolated.hpp"
 #include "contact/implicit/implicit_stage.hpp"
@@ -22,41 +22,42 @@ namespace softffd {
 
 class ImplicitContact {
  public:
-  /// samples: of the surface, which planes meet; null: they meet the control points.
+  /// samples: points of the surface that planes meet; null: planes meet the control points.
   ImplicitContact(const Lattice& lattice, int planes, int pins, const Samples* samples = nullptr);
 
   /// Call when masses, stiffness or damping change.
   void body_changed() { stage_.body_changed(); }
-  /// From now on steps begin with this matrix, where it serves, and leave theirs there. It belongs to the state.
+  /// Sets the kept matrix, a part of the state: from now on a step begins with it where it serves, and stores its own matrix there.
   void keep(Factored& kept) { kept_ = &kept; }
-  /// One step from (t, state) of length h [s]; state.spring being the internal forces at state.x. Planes have no point behind them at t.
-  /// state.time is the caller's. On failure state and exchange are spoilt; not_finite: there was no solution down to h / 2^20, or not
-  /// with so many factorizations and solutions with them.
+  /// Takes one step of length h [s] from (t, state) by backward Euler; state.spring are the internal forces at state.x. No point may be
+  /// behind a plane at t. The caller advances state.time. On failure state and exchange are spoilt. not_finite: there was no solution down
+  /// to h / 2^20, or none within the allowed numbers of factorizations and of solutions with them.
   StepStatus advance(const Equations& equations, double t, double h, bool watch, State& state, Exchange& exchange);
-  /// The same by SDIRK2. A step that finds no solution to span.way is not done in parts, because who controls its error does that; if there
-  /// is no such way, it is done by backward Euler. span.again: the matrix of the step before may serve.
+  /// Takes the step by SDIRK2. With span.way > 0, a step without a solution to that distance [m] fails and is not done in parts, because
+  /// the caller, which controls the error, does that. With span.way = 0 it is done by backward Euler. span.again: the last matrix may
+  /// serve.
   StepStatus advance_sdirk2(const Equations& equations, double t, double h, const Span& span, bool watch, State& state, Exchange& exchange);
   Count most_factorizations = 100'000, most_solutions = Count{1} << 53;
   double most_operations = std::numeric_limits<double>::infinity();
-  /// Energy that obstacles and pins gave the body in the last call, friction included, points moving along obstacles with the mean of their
-  /// velocities before and after [J].
+  /// Energy that obstacles and pins gave the body in the last call, friction included [J]. Points that move along obstacles count with the
+  /// mean of their velocities before and after.
   double given() const { return given_; }
-  /// How contacts slipped in the last call.
+  /// Slip of the contacts in the last call.
   const Slip& slip() const { return slip_; }
-  /// What touches at the end of the last step, and what of it slides: another number where it is another set.
+  /// Hash of the contacts at the end of the last step and of which of them slide: another set has another number.
   Count constraints() const { return stage_.constraints(); }
-  /// Energy that the last step of SDIRK2 took beyond dampers and friction [J].
+  /// Energy that the last step of SDIRK2 lost beyond what dampers and friction took [J].
   double lost() const { return lost_; }
-  /// What an embedded formula of third order would move points by more in the last step of SDIRK2, at most [m]; infinite of a step that
-  /// strikes.
+  /// Largest difference of a point's displacement between an embedded formula of third order and the last step of SDIRK2 [m]; infinite for
+  /// a step in which a place strikes an obstacle.
   double bend() const { return bend_; }
 
-  /// Of an undamped vibration's amplitude, what a step of SDIRK2 keeps that is so many radians long [1].
+  /// Fraction of an undamped vibration's amplitude that a step of SDIRK2 of length `angle` [rad] keeps [1].
   static double kept(double angle);
 
   /// Counted since the start.
-  Count steps() const { return steps_; }        ///< tried; of which
-  Count halvings() const { return halvings_; }  ///< had to be done in two halves
+  Count steps() const { return steps_; }        ///< steps tried
+  Count halvings() const { return halvings_; }  ///< steps that had to be done in two halves
   Count iterations() const { return stage_.iterations(); }
   Count factorizations() const { return stage_.factorizations(); }
   double solutions() const { return stage_.solutions(); }
@@ -78,11 +79,11 @@ class ImplicitContact {
   ImplicitStage stage_;
   Factored* kept_ = nullptr;
   Exchange before_;
-  State start_;           ///< of the second stage
+  State start_;           ///< at the start of the second stage
   Points first_v_;        ///< velocities at the end of the first stage [m/s]
-  double given_ = 0;      ///< of the call [J]
-  Slip slip_;             ///< of the call
-  double free_work_ = 0;  ///< of free bodies on the object in the step [J]
+  double given_ = 0;      ///< in the last call [J]
+  Slip slip_;             ///< in the last call
+  double free_work_ = 0;  ///< work of free bodies on the object in the step [J]
   std::vector<FreeState> first_free_;
   Isolated isolated_;
   bool alone_ = false;  ///< object and free bodies are isolated

@@ -13,26 +13,28 @@ namespace softffd {
 
 namespace {
 
-/// Roundings that add up in the force on a point.
+/// Number of roundings that add up in the force on a point [1].
 constexpr double roundings = 16;
-/// Of the least inertia m / h^2: a change of friction's stiffness that does not matter to the solution.
+/// A change of friction's stiffness below this fraction of the least inertia m / h^2 does not matter to the solution [1].
 constexpr double slight_share = 0.05;
-/// Of what the loads of sliding points lack, what is left for the next iteration: of a solution to a distance, or to rounding [1].
+/// Fraction of the missing loads of sliding points that may be left for the next iteration [1]: `rough_loads` if the step is solved to a
+/// distance (Step::way), `fine_loads` if to rounding.
 constexpr double rough_loads = 1e-2, fine_loads = 1e-4;
-/// Way in a step, in the box, and in that by which a solution may be off, from which on an obstacle strikes what touches it [1].
+/// An obstacle strikes what touches it if it approaches in a step by more than this fraction of the box (`slight_approach`) and than this
+/// multiple of the distance by which a solution may be off (`jump`) [1].
 constexpr double slight_approach = 1e-6, jump = 1e3;
-/// Of the accuracy of the balance.
+/// Accuracy of the loads, as a fraction of the accuracy of the balance [1].
 constexpr double of_loads = 0.1;
-/// Squared angles of the rotation in a Newton step [rad2]: below the first the arms are as long without it, to rounding; below the second
-/// the matrix still serves.
+/// Squared angles of the rotation in a Newton step [rad2]. Up to `straight`, arms keep their lengths to rounding without the second-order
+/// term. Below `small_turn` the matrix still serves.
 constexpr double straight = 1e-15, small_turn = 1e-8;
 constexpr int most_iterations = 30;
-/// Difference of two steps that are as long to rounding [1].
+/// Relative difference up to which two steps are equally long, to rounding [1].
 constexpr double same_length = 1e-9;
-/// Of Coulomb's limit: friction from which on a contact counts as sliding [1].
+/// A contact counts as sliding if its friction is at least this fraction of the Coulomb limit [1].
 constexpr double slides_from = 1 - 1e-3;
 
-/// splitmix64: sums of it tell sets apart.
+/// splitmix64. Sums of its values tell sets apart.
 std::uint64_t mixed(std::uint64_t value) {
   value += 0x9e3779b97f4a7c15;
   value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9;
@@ -43,7 +45,7 @@ std::uint64_t mixed(std::uint64_t value) {
 }  // namespace
 
 ImplicitStage::ImplicitStage(const Lattice& lattice, int planes, const Samples* samples) {
-  if (!samples && lattice.lobatto) {  // whose matrix is too dense to be factored for each change of friction
+  if (!samples && lattice.lobatto) {  // its matrix is too dense to be factored for each change of friction
     nodes_ = std::make_unique<Samples>(lattice);
     samples = nodes_.get();
   }
@@ -66,7 +68,7 @@ StepStatus ImplicitStage::solve(const Step& step) {
   return presses_solids(step) ? StepStatus::ok : StepStatus::beside_solid;
 }
 
-/// Do the reactions press on the solids that half-spaces stand for?
+/// True if the reactions at half-spaces that stand for solids press on these solids.
 bool ImplicitStage::presses_solids(const Step& step) const {
   return std::ranges::all_of(reactions_, [&](const Reaction& each) {
     const Plane& solid = step.equations.around.planes[each.plane];
@@ -118,7 +120,8 @@ StepStatus ImplicitStage::open(const Step& step) {
   return StepStatus::ok;
 }
 
-/// As a rigid body, unless a motion is given: with the rotation that backward Euler gives it, springs stay as they are.
+/// Predicts the displacement of the step: that of the given motion, otherwise that of a rigid body. The rotation is the one that backward
+/// Euler gives a rigid body, so that it does not stretch springs.
 void ImplicitStage::predict(const Step& step) {
   const RigidMotion motion = rigid_motion(step.equations.body.mass, step.from.x, step.along ? *step.along : step.from.v);
   const Vec3 turn = step.h * motion.spin;
@@ -154,7 +157,7 @@ StepStatus ImplicitStage::iterate(const Step& step) {
   return StepStatus::not_finite;
 }
 
-/// All forces but those of contact; and the friction at this state.
+/// Computes all forces but those of contact, and the friction at this state.
 void ImplicitStage::find_residual(const Step& step, bool first) {
   const Body& body = step.equations.body;
   const double per_h = 1 / step.h;
@@ -180,7 +183,7 @@ bool ImplicitStage::in_balance(const Step& step) {
   return kernels::largest(scratch_.size(), scratch_.data()) <= slack;
 }
 
-/// Takes the Newton step, its rotation as one. A step that was taken straight keeps the linear equations' balance of momentum.
+/// Takes the Newton step, its rotation as a rotation. A step taken straight keeps the momentum balance of the linear equations.
 void ImplicitStage::move(const Step& step) {
   const Body& body = step.equations.body;
   Points& change = touches_->solution().change;
@@ -199,7 +202,7 @@ void ImplicitStage::move(const Step& step) {
   last_change_ = change;
 }
 
-/// Orders a new matrix where the old one does not serve any more; halves a change that goes back where the iterations run in circles.
+/// Orders a new matrix where the old one does not serve any more. Halves a change that goes back where the iterations run in circles.
 void ImplicitStage::keep_converging() {
   Points& change = touches_->solution().change;
   convergence_.add(kernels::largest(change.size(), change.data()), touches_->solution().fresh);
@@ -212,7 +215,7 @@ void ImplicitStage::keep_converging() {
   straight_ = false;
 }
 
-/// The state at the end, exactly in front of the planes.
+/// Sets the state at the end of the step, exactly in front of the planes.
 void ImplicitStage::close(const Step& step) {
   touches_->find_reactions(reactions_);
   v = u_ / step.h;
@@ -239,8 +242,8 @@ void ImplicitStage::close(const Step& step) {
   constraints_ = Count(sum >> 1);
 }
 
-/// What the linear equations' rounding leaves of the momentum balance, which grows with the stiffness, goes to planes and pins in equal
-/// parts; a body that touches nothing moves as a whole by so much.
+/// Distributes what the rounding of the linear equations leaves of the momentum balance, which grows with the stiffness. Touching places
+/// and pinned points take equal parts of it. A body that touches nothing moves as a whole by it.
 void ImplicitStage::spread_rounding(const Step& step) {
   const Body& body = step.equations.body;
   rounding_.setZero();
@@ -268,14 +271,13 @@ void ImplicitStage::spread_rounding(const Step& step) {
   }
 }
 
-/// The obstacle as it is at the begin of the step, at a place.
+/// The half-space of the obstacle that faces `place` at the start of the step.
 HalfSpace ImplicitStage::begin_of(const Step& step, int obstacle, const Vec3& place) const {
   const Plane& plane = step.equations.around.planes[obstacle];
   if (!plane.own) return facing_half_space(plane, step.t, place);
   return tangent(plane, plane.pose_of(step.from.free[plane.own->index()]), place);
 }
 
-/// Of planes and pins on the body.
 double ImplicitStage::contact_work(const Step& step) const {
   double work = 0;
   for (const Reaction& each : reactions_)
@@ -285,7 +287,6 @@ double ImplicitStage::contact_work(const Step& step) const {
   return work;
 }
 
-/// The same with friction, at the mean of the velocities.
 double ImplicitStage::given_by_contacts(const Step& step, double work) const {
   double given = work;
   for (const Reaction& each : reactions_) {
@@ -296,7 +297,7 @@ double ImplicitStage::given_by_contacts(const Step& step, double work) const {
   return given;
 }
 
-/// Off them, or touching one that comes at it.
+/// A place is struck if it was off the obstacle, or if it touched an obstacle that approaches it.
 bool ImplicitStage::strikes(const Step& step) const {
   const double length = step.equations.body.length, slight = std::max(slight_approach * length, jump * step.way);
   return std::any_of(reactions_.begin(), reactions_.end(), [&](const Reaction& each) {
@@ -317,8 +318,8 @@ double ImplicitStage::lost_power(const Step& step) const {
   return power;
 }
 
-/// Slip at the beginning counts as far as it is more than what the obstacle's own speed changes by in the step: what sticks to an obstacle
-/// has its speed of before.
+/// Slip at the start of the step counts as far as it exceeds the change of the obstacle's own velocity in the step: a place that sticks to
+/// an obstacle has the velocity that the obstacle had before.
 Slip ImplicitStage::slip_of_contacts(const Step& step) const {
   Slip sum;
   for (const Reaction& each : reactions_) {
@@ -338,7 +339,7 @@ Slip ImplicitStage::slip_of_contacts(const Step& step) const {
   return sum;
 }
 
-/// Of the obstacle where it touches, seen at mid-step.
+/// Velocity of the obstacle's material at the touching place, seen at mid-step, of a free obstacle at the end of the step [m/s].
 Vec3 ImplicitStage::material_velocity(const Step& step, const Reaction& at) const {
   if (const FreeMotion* own = step.equations.around.planes[at.plane].own) {
     const FreeState& end = free[own->index()];
@@ -348,13 +349,13 @@ Vec3 ImplicitStage::material_velocity(const Step& step, const Reaction& at) cons
   return touches_->material_velocity(at.plane, touches_->value(at, step.from.x) + 0.5 * touches_->value(at, u_));
 }
 
-/// On the body.
+/// Impulse of a reaction on the body, or on the solid whose own sample it is at [N s].
 Vec3 ImplicitStage::impulse(const Step& step, const Reaction& reaction) const {
   if (!reaction.first) return step.h * reaction.force;
   return step.h * reaction.force + rounding_;
 }
 
-/// On the point, which ends with the velocity of its frame instead of the step's.
+/// Impulse of a pin on its point p [N s]. The point ends with the velocity of its frame instead of the velocity u / h of the step.
 Vec3 ImplicitStage::pin_impulse(const Step& step, int p) const {
   return step.h * row(touches_->solution().reaction, p) + step.equations.body.mass[p] * (row(v, p) - row(u_, p) / step.h) + rounding_;
 }

@@ -1,18 +1,18 @@
-/// One implicit step with exact contact, as backward Euler takes it and as a stage of a method of second order is:
+/// One implicit step with exact contact, either a step of backward Euler or a stage of a second-order method:
 ///
 ///      M (v1 - v0) / h = internal forces(x1) + outside forces - D v1 - C(x1) v1 + contact(x1),      v1 = (x1 - x0) / h,
 ///
-/// no control point, or no sample of the surface, being behind a plane at x1, loads pushing only, friction by Coulomb's law.
+/// At x1 no control point, or no sample of the surface, is behind a plane; loads only push; friction obeys Coulomb's law.
 ///
-/// Newton's method, from the motion that the body would have without forces. Three things make it converge in two or three iterations where
-/// the springs are stiff:
-///   - the rotation in each Newton step is carried out as a rotation (rigid_motion.hpp): straight, it would stretch the springs;
-///   - touches and loads are exact for the linearised equations (linear_contact.hpp; of samples and nodes of a solid surface_touches.hpp),
+/// The equations are solved by Newton's method, which starts from the motion that the body would have without forces. Three measures make
+/// it converge in two or three iterations where the springs are stiff:
+///   - the rotation in each Newton step is carried out as a rotation (rigid_motion.hpp); a straight motion would stretch the springs;
+///   - touches and loads are exact for the linearised equations (linear_contact.hpp; for samples and nodes of a solid surface_touches.hpp),
 ///     friction and loads together;
-///   - the first guess of the loads takes the points on planes to be in equilibrium: at rest and in steady sliding it is the solution.
-/// The factor is kept while changes fall by ten from one iteration to the next.
+///   - the first guess of the loads assumes that the points on planes are in equilibrium: at rest and in steady sliding it is the solution.
+/// The factor is kept while each change is at most a tenth of the change before.
 ///
-/// What the planes are reported to receive is the momentum that the body lost, to rounding.
+/// The impulses that are reported for the planes are the momentum that the body lost, to rounding.
 #pragma once
 #include <memory>
 
@@ -27,7 +27,7 @@ class ImplicitStage {
   using Step = ImplicitTouches::Step;
   using Reaction = ImplicitTouches::Reaction;
 
-  /// samples: of the surface, which planes meet; null: they meet the control points, or the nodes of a solid, as samples of weight 1.
+  /// samples: points of the surface that planes meet; null: planes meet the control points, or a solid's nodes, as samples of weight 1.
   ImplicitStage(const Lattice& lattice, int planes, const Samples* samples);
 
   /// Call when masses, stiffness or damping change.
@@ -35,8 +35,8 @@ class ImplicitStage {
     largest_stiffness_ = -1;
     touches_->forget_matrix();
   }
-  /// Solves the step; step.from.spring being the internal forces at step.from.x. not_finite: there was no solution, or not with the
-  /// factors and solutions up to those limits.
+  /// Solves the step; step.from.spring are the internal forces at step.from.x. not_finite: there was no solution, or none within the
+  /// limits on factorizations, solutions and operations.
   StepStatus solve(const Step& step);
   void limit(Count factorizations, double solutions, double operations) {
     last_factorization_ = factorizations, last_solution_ = solutions;
@@ -44,29 +44,29 @@ class ImplicitStage {
   }
   bool spent() const { return factorizations() >= last_factorization_ || solutions() >= last_solution_ || touches_->operations().spent(); }
 
-  /// At the end of the step, exactly in front of the planes; spring: the internal forces there.
+  /// State at the end of the step, exactly in front of the planes; spring: the internal forces there [N].
   Points x, v, spring;
   std::vector<FreeState> free;
   /// Outside forces of the step [N].
   const Points& force() const { return force_; }
   const std::vector<Reaction>& reactions() const { return reactions_; }
   const ImplicitTouches& touches() const { return *touches_; }
-  /// What rounding leaves of an energy [J].
+  /// Rounding error of an energy [J].
   double noise() const { return noise_ * extent_; }
 
-  /// Of planes and pins on the body [J].
+  /// Work of planes and pins on the body [J].
   double contact_work(const Step& step) const;
-  /// Of free bodies alone, as they move from the step's begin to its end.
+  /// The part of the contact work that free bodies do, as they move from the start of the step to its end [J].
   double work_of_free(const Step& step) const;
-  /// The same with friction, at the mean of the velocities [J].
+  /// `work`, that of planes and pins, plus that of friction along the slip, taken at the mean of the velocities before and after [J].
   double given_by_contacts(const Step& step, double work) const;
-  /// What touches at the end, and what of it slides: another number where it is another set.
+  /// Hash of the contacts at the end of the step and of which of them slide: another set has another number.
   Count constraints() const { return constraints_; }
-  /// What dampers and friction take at the end of the step [W].
+  /// Power that dampers and friction take at the end of the step [W].
   double lost_power(const Step& step) const;
-  /// Whether the obstacles stop a place that was off them at the begin.
+  /// True if an obstacle stops a place that was off it at the start of the step, or touched it and was approached by it.
   bool strikes(const Step& step) const;
-  /// from: where the slip began.
+  /// Slip of the contacts in the step; step.from is the state where the slip began.
   Slip slip_of_contacts(const Step& step) const;
   /// Adds `weight` times the impulses on planes and pins.
   void book(const Step& step, double weight, Exchange& exchange) const;
@@ -102,11 +102,11 @@ class ImplicitStage {
   Vec3 place_at_begin(const Step& step, const Reaction& at) const;
   Vec3 velocity_at_begin(const Step& step, const Reaction& at) const;
   Vec3 velocity_at_end(const Step& step, const Reaction& at) const;
-  /// What a reaction at a solid's own sample does to the free one of two obstacles.
+  /// Action of a reaction at a solid's own sample on the free one of the two obstacles.
   struct OnFree {
-    int other;     ///< the one that is not free
-    Vec3 impulse;  ///< [N s]
-    double work;   ///< of the other's own motion on it [J]
+    int other;     ///< number of the obstacle that is not free
+    Vec3 impulse;  ///< on the free one [N s]
+    double work;   ///< work of the other's own motion on the free one [J]
   };
   OnFree on_free(const Step& step, const Reaction& at) const;
   static double friction_of(const Step& step, const Reaction& at);
@@ -116,15 +116,15 @@ class ImplicitStage {
 
   std::unique_ptr<const Samples> nodes_;
   std::unique_ptr<ImplicitTouches> touches_;
-  std::vector<Reaction> reactions_;  ///< of the step that was solved
-  std::vector<FreePart> parts_;      ///< of free pins, where they are
-  Scalars diagonal_;                 ///< of the inertia and the damping (points) [N/m]
+  std::vector<Reaction> reactions_;  ///< in the step that was solved
+  std::vector<FreePart> parts_;      ///< parts of free pins, at their present places
+  Scalars diagonal_;                 ///< (points) part of the inertia and the damping in the matrix [N/m]
   Points u_;                         ///< displacement in the step
   Points force_, residual_, last_change_, scratch_;
   double largest_stiffness_ = -1, force_scale_ = 0, noise_ = 0, extent_ = 0, slight_ = 0;
   Convergence convergence_;
-  double matrix_h_ = 0;    ///< step that the matrix is for [s]
-  bool straight_ = false;  ///< the last Newton step was taken as the linear equations have it
+  double matrix_h_ = 0;    ///< step length that the matrix is made for [s]
+  bool straight_ = false;  ///< the last Newton step was taken as the linear equations give it
   Vec3 rounding_ = Vec3::Zero();
   Count constraints_ = 0, iterations_ = 0, last_factorization_ = 0;
   double last_solution_ = 0;

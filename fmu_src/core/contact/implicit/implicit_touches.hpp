@@ -1,13 +1,14 @@
-/// What differs between the implicit steps (implicit_contact.hpp) of bodies whose control points meet planes (point_touches.hpp) and of
-/// those whose surface does (surface_touches.hpp): what touches, and how touches and their forces follow from the linearised equations.
+/// Interface of the two kinds of contact in implicit steps (implicit_contact.hpp): planes meet the control points of a body
+/// (point_touches.hpp), or samples of its surface (surface_touches.hpp). The kinds differ in what touches, and in how touches and their
+/// forces follow from the linearised equations.
 ///
-/// A step asks in this order, from the second line on as often as it takes:
+/// A step calls these functions in this order, from the second line on as often as needed:
 ///
-///      open, guess             the planes of the step, and what touches at first
-///      find_friction           friction at the displacements so far
-///      solve                   one Newton step with its touches
-///      add_forces              of the touches, for the balance
-///      find_reactions, hold    what they have done, and what the next step begins with
+///      open, guess             sets the planes of the step; guesses what touches at first
+///      find_friction           computes friction at the displacements so far
+///      solve                   takes one Newton step with its touches
+///      add_forces              adds the forces of the touches, for the balance
+///      find_reactions, hold    report what the touches have done; store what the next step begins with
 #pragma once
 #include <vector>
 
@@ -24,60 +25,60 @@ class ImplicitTouches {
     const Equations& equations;
     double t, h;  ///< [s]
     const State& from;
-    double loads_at;                ///< time of the outside forces [s]
+    double loads_at;                ///< time at which the outside forces are taken [s]
     Factored* kept = nullptr;       ///< matrix of the steps before; null: none is kept
-    const Points* along = nullptr;  ///< about the velocities at the end (points, 3) [m/s]; null: those of the rigid motion at the begin
-    bool same_matrix = false;       ///< that of the step before may serve: the same body and h
-    double way = 0;                 ///< by which the solution may be off [m]
-    double accuracy = 1e-8;         ///< of the largest force: what may be left of a balance; rounding of the forces comes on top [1]
+    const Points* along = nullptr;  ///< approximate velocities at the end (points, 3) [m/s]; null: those of the rigid motion at the start
+    bool same_matrix = false;       ///< the matrix of the step before may serve: body and h are the same
+    double way = 0;                 ///< distance by which the solution may be off [m]
+    double accuracy = 1e-8;         ///< allowed residual of the balance over the largest force [1]; rounding of the forces comes on top
   };
-  /// What one touch does to the body.
+  /// Action of one touch on the body.
   struct Reaction {
-    int plane, at;          ///< at: the control point or the sample
+    int plane, at;          ///< at: number of the control point or the sample
     Vec3 normal;            ///< of the plane
     Vec3 force;             ///< [N]
-    bool first;             ///< of those at the same place
-    int solid = -1;         ///< whose own sample it is (contact/free/solid_samples.hpp); -1: it is of the body
-    Vec3 begin{}, place{};  ///< where it is when the step begins, and at its end
+    bool first;             ///< it is the first of those at the same place
+    int solid = -1;         ///< solid whose own sample it is at (contact/free/solid_samples.hpp); -1: it is at the body
+    Vec3 begin{}, place{};  ///< place of the sample at the start of the step and at its end [m]
   };
 
   virtual ~ImplicitTouches() = default;
 
   virtual void open(const Step& step) = 0;
   virtual const HalfSpace& plane(int q) const = 0;  ///< at the end of the step
-  /// Velocity of plane q's material at a place during the step, seen at mid-step [m/s].
+  /// Velocity of plane q's material at x during the step, in the pose of mid-step [m/s].
   virtual Vec3 material_velocity(int q, const Vec3& x) const = 0;
-  /// Is there room in front of all planes?
+  /// True if some position is in front of all planes, to within `slack` [m].
   virtual bool possible(const Vec3& x, double slack) = 0;
-  /// May a pinned point be behind planes?
+  /// True if pinned points may be behind planes.
   virtual bool pins_pass() const = 0;
-  /// What touches at first. force: from outside [N]; x: at the end, were there no contact.
+  /// Guesses what touches at first. force: from outside [N]; x: positions at the end of the step without contact [m].
   virtual void guess(const Step& step, const Points& force, const Points& x) = 0;
 
-  /// Friction at displacements u of the step, `first` before the first solution. slight: a change of its stiffness that does not matter.
+  /// Computes friction at displacements u of the step. first: no solution yet. slight: a stiffness change that does not matter [N/m].
   virtual void find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) = 0;
-  /// The next solution is to start from new matrices.
+  /// Makes the next solution start from new matrices.
   virtual void refresh() = 0;
-  /// Masses, stiffness or damping have changed.
+  /// Call when masses, stiffness or damping have changed.
   virtual void forget_matrix() {}
-  /// The next solution is to start from the matrix that is kept, of whatever step. Returns false if it cannot.
+  /// Makes the next solution start from the kept matrix, whichever step it is from. Returns false if that is impossible.
   virtual bool resume(const Step&) { return false; }
-  /// The next solution may take the matrices as they are. slight: a change of friction's stiffness that does not matter [N/m].
+  /// Lets the next solution use the present matrices. slight: a change of friction's stiffness that does not matter [N/m].
   virtual void keep(double slight) = 0;
-  /// Finds the solution and the touches with their forces; cautious: slower, but without circles. not_finite: there is none.
+  /// Finds the solution, and the touches with their forces. cautious: slower, but not in circles. not_finite: there is no solution.
   virtual StepStatus solve(const StepProblem& problem, bool cautious) = 0;
   virtual StepSolution& solution() = 0;
   virtual const StepMatrix& matrix() const = 0;
-  /// Those of samples' contact, beside factors and solutions; of control points next to none.
+  /// Operations that contact of samples takes, factorizations and solutions not counted; contact of control points takes next to none.
   virtual Operations& operations() { return none_; }
   /// f += forces of the touches [N].
   virtual void add_forces(Points& f) const = 0;
   virtual double largest_load() const = 0;
 
-  /// Takes away what rounding has left of places behind planes.
+  /// Moves places in front of the planes that rounding has left behind them.
   virtual void keep_in_front(const Body& body, Points& x) const = 0;
   virtual void find_reactions(std::vector<Reaction>& reactions) const = 0;
-  /// The value of each control point, (points, 3), where this reaction acts.
+  /// Value of a field of the control points, (points, 3), at the place where this reaction acts.
   virtual Vec3 value(const Reaction& reaction, const Points& values) const = 0;
   virtual void hold(State& state) const = 0;
 

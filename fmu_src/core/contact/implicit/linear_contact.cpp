@@ -7,9 +7,9 @@ namespace softffd {
 namespace {
 
 constexpr int most_guesses = 14;
-/// Of responses from which those loads are combined: hundred times better.
+/// Accuracy of the responses from which the loads are combined [1]: a hundred times better than that of the loads.
 constexpr double of_products = 1e-6;
-/// From this round on touches end one by one and friction is cautious: slower, but without circles.
+/// From this round on, touches end one by one and friction is cautious: slower, but not in circles.
 constexpr int careful_round = 6;
 
 void project(const ContactSet& contacts, Points& u) {
@@ -90,8 +90,8 @@ void LinearContact::solve_free_part(const StepProblem& problem, const ContactSet
   change += prescribed_;
 }
 
-/// (1 - B) more = lack, where B takes the loads of sliding points to the loads that their friction causes. A few responses are enough:
-/// the loads of neighbours act much the same.
+/// Solves (1 - B) more = lack, where B maps loads of sliding points to the loads that their friction causes. A few responses are enough,
+/// because the loads of neighbours act much the same.
 void LinearContact::couple_loads(const StepProblem& problem, ContactSet& contacts) {
   const int n = contacts.sliding();
   if (n == 0) return;
@@ -112,7 +112,7 @@ void LinearContact::couple_loads(const StepProblem& problem, ContactSet& contact
   contacts.find_loads(reaction, change);
 }
 
-/// The motion that the friction of these loads causes, and the forces that it takes.
+/// Computes the motion response_ that the friction of these loads causes, and the forces made_ that this motion takes.
 void LinearContact::respond(const StepProblem& problem, const ContactSet& contacts, const Scalars& loads, double accuracy) {
   contacts.friction_of(loads, friction_);
   response_ = friction_;

@@ -1,4 +1,4 @@
-/// Control points that meet planes, in implicit steps: contact_set.hpp says which touch, linear_contact.hpp finds their forces.
+/// Control points that meet planes in implicit steps: contact_set.hpp tells which points touch, linear_contact.hpp finds their forces.
 #pragma once
 #include "contact/implicit/implicit_touches.hpp"
 #include "contact/implicit/linear_contact.hpp"
@@ -14,7 +14,8 @@ class PointTouches final : public ImplicitTouches {
   Vec3 material_velocity(int q, const Vec3& x) const override { return contacts_.material_velocity(q, x); }
   bool possible(const Vec3& x, double slack) override { return contacts_.possible(x, slack); }
   bool pins_pass() const override { return false; }
-  /// Points on a plane that the other forces press against it, as if they were in equilibrium, and points that would end behind one.
+  /// Guesses as touches the points on a plane that the other forces press against it, with the loads of equilibrium, and the points that
+  /// would end behind a plane.
   void guess(const Step& step, const Points& force, const Points& x) override;
   void find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) override;
   void refresh() override { linear_.refresh(); }
@@ -25,7 +26,7 @@ class PointTouches final : public ImplicitTouches {
   void add_forces(Points& f) const override;
   double largest_load() const override { return contacts_.largest_load(); }
   void keep_in_front(const Body& body, Points& x) const override;
-  /// Of several touches the first gets what the others leave of the linear equations' reaction.
+  /// If a point has several touches, the first gets what the others leave of the reaction in the linear equations.
   void find_reactions(std::vector<Reaction>& reactions) const override;
   Vec3 value(const Reaction& reaction, const Points& values) const override { return row(values, reaction.at); }
   void hold(State& state) const override { contacts_.hold(state.holds); }
@@ -33,7 +34,7 @@ class PointTouches final : public ImplicitTouches {
  private:
   ContactSet contacts_;
   LinearContact linear_;
-  Points free_;  ///< displacements without forces
+  Points free_;  ///< displacements in the step without forces [m]
 };
 
 }  // namespace softffd

@@ -1,4 +1,4 @@
-/// Solids in implicit steps: the tangents that their samples meet, and samples of solids' own.
+/// Solids in implicit steps: the supporting half-spaces that samples meet, and the own samples of solids.
 #include <algorithm>
 
 #include "contact/implicit/surface_touches.hpp"
@@ -7,20 +7,20 @@ namespace softffd {
 
 namespace {
 
-/// By which normals of tangents may still turn where a solution settles [1]: the gap that it leaves is of second order in it.
+/// Largest change of a supporting half-space's normal at which a solution counts as settled [1]: its gap error is of second order in it.
 constexpr double most_turn = 1e-6;
 
 }  // namespace
 
-/// In which the sample meets the obstacle; -1: in none.
+/// Number of the plane in which the sample meets the obstacle; -1: in none.
 int SurfaceTouches::plane_of(int obstacle, int sample) const {
   if (obstacle < flat_ && samples_.of_object(sample)) return obstacle;
   const int at = tangents_.index(obstacle, sample);
   return at < 0 ? -1 : flat_ + at;
 }
 
-/// Those of all samples that can come to a solid where no point goes further than this from where the step begins [m]; the forces at hand
-/// go with their samples.
+/// Finds the supporting half-spaces of all samples that can come to a solid if no point goes further than `way` [m] from its place at the
+/// start of the step. The forces at hand stay with their samples.
 void SurfaceTouches::find_tangents(double way) {
   std::vector<std::pair<Count, Vec3>> known;
   for (const Force& each : forces_) known.push_back({number(each.row), each.force});
@@ -44,12 +44,12 @@ void SurfaceTouches::find_tangents(double way) {
   }
 }
 
-/// Where the sample of a row is when the step begins.
+/// Place of a contact constraint's sample at the start of the step [m].
 Vec3 SurfaceTouches::begin_of(const SurfaceRow& row) const {
   return own(row) ? tangent_of(row.plane).place : samples_.at(row.sample, step_->from.x);
 }
 
-/// Where its material is at the end, control points being at x and free bodies where they were placed.
+/// Place of the sample's material at the end, with control points at x and free bodies where they were placed [m].
 Vec3 SurfaceTouches::material_of(const SurfaceRow& row, const Points& x) const {
   if (!own(row)) return samples_.at(row.sample, x);
   const int number = tangent_of(row.plane).solid;
@@ -58,7 +58,7 @@ Vec3 SurfaceTouches::material_of(const SurfaceRow& row, const Points& x) const {
   return taken_along(solid, start, tangent_of(row.plane).place, poses_[number]);
 }
 
-/// Where the sample is then, and from where its tangent is looked for.
+/// Place of the sample at the end of the step, and the place from which its supporting half-space is looked for [m].
 SolidSample SurfaceTouches::sample_of_row(const SurfaceRow& row, const Points& x) const {
   if (!own(row)) {
     const Vec3 place = samples_.at(row.sample, x);
@@ -73,7 +73,7 @@ SolidSample SurfaceTouches::sample_of_row(const SurfaceRow& row, const Points& x
   return {place, place};
 }
 
-/// By which free obstacles that may meet others go at the forces at hand [m].
+/// Largest way that the present forces move a free obstacle that may meet others [m].
 double SurfaceTouches::way_of_free() const {
   double most = 0;
   if (samples_.all() == samples_.count()) return most;
@@ -88,8 +88,8 @@ double SurfaceTouches::way_of_free() const {
   return most;
 }
 
-/// The tangent of a plane at a place of its sample: at its foot where the place is behind the half-space that was in front of the sample
-/// when the step began, so that none comes out of the other side of a thin solid.
+/// The supporting half-space for the sample of `plane` at a place. A place behind the half-space that the sample faced at the start of the
+/// step is projected onto its boundary first, so that no sample comes out of the other side of a thin solid.
 HalfSpace SurfaceTouches::tangent_at(int plane, const Vec3& place) const {
   const HalfSpace& start = tangents_.found()[plane - flat_].end;
   const int solid = obstacle_[plane];
@@ -97,7 +97,7 @@ HalfSpace SurfaceTouches::tangent_at(int plane, const Vec3& place) const {
   return tangent(step_->equations.around.planes[solid], poses_[solid], place - std::min(start.gap(place), 0.0) * start.normal);
 }
 
-/// To where the samples are now; forces go with the normals.
+/// Turns the supporting half-spaces to where the samples are now; the forces turn with the normals.
 void SurfaceTouches::turn_tangents(const StepProblem& problem) {
   const std::vector<Vec3> before = normals_;
   for (int q = flat_; q < int(planes_.size()); ++q) {
@@ -111,7 +111,7 @@ void SurfaceTouches::turn_tangents(const StepProblem& problem) {
     if (each.row.plane >= flat_) each.force = swung(before[each.row.plane], normals_[each.row.plane], each.force);
 }
 
-/// Do the tangents hold where the forces have brought the samples?
+/// True if the supporting half-spaces still hold where the forces have brought the samples.
 bool SurfaceTouches::tangents_stand(const StepProblem& problem) const {
   return std::ranges::all_of(forces_, [&](const Force& each) {
     if (each.row.plane < flat_) return true;

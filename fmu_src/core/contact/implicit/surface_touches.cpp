@@ -8,14 +8,17 @@ namespace softffd {
 
 namespace {
 
-/// Turns of normal forces and friction; looks for samples until those that a solution has brought to a plane are among them.
+/// Largest number of alternations between normal forces and friction; largest number of searches for samples until the lists hold all that
+/// a solution has brought to a plane.
 constexpr int most_turns = 30, most_looks = 20;
-/// Roundings of a place that friction's law may be missed by where it is looked for; a solution may not miss it by more than gaps.
+/// Roundings of a place by which the search for forces may miss Coulomb's law [1]; a solution may miss it by no more than gaps.
 constexpr double exact_roundings = 4;
-/// Of the way that a force alone would move its sample, where others hold it: what is left of the sum is known no better.
+/// Error of a sample's motion, in roundings of the way that each force alone would move the sample [1]. Where other forces hold the
+/// sample, the small sum is known no better.
 constexpr double response_roundings = 2;
 
-/// By which a free obstacle may [rad]; its samples are behind it by the square.
+/// Turn of a free obstacle, beyond the pose in which it was placed, above which the solution is repeated [rad]. Samples are behind the
+/// obstacle by the square of the turn.
 constexpr double most_free_turn = 1e-7;
 
 constexpr auto by_row = [](const auto& a, const auto& b) { return a.row < b.row; };
@@ -67,7 +70,7 @@ void SurfaceTouches::set_normals() {
   set_.delassus().set_planes(normals_);
 }
 
-/// Solids are not looked at: there is room beside them.
+/// Solids are not considered, because there is room beside them.
 bool SurfaceTouches::possible(const Vec3& x, double slack) {
   std::vector<Constraint> constraints;
   for (int q = 0; q < flat_; ++q) constraints.push_back({.normal = planes_[q].normal, .bound = planes_[q].offset});
@@ -75,7 +78,7 @@ bool SurfaceTouches::possible(const Vec3& x, double slack) {
   return feasible_.project(constraints, slack, nearest);
 }
 
-/// The forces of the step before.
+/// Begins with the forces of the step before.
 void SurfaceTouches::guess(const Step& step, const Points&, const Points& x) {
   if (flat_ < int(end_.size())) find_tangents(tangents_.way(step.from.x, x));
   const HeldRows& held = step.from.held_rows;
@@ -131,7 +134,7 @@ void SurfaceTouches::refresh() {
   if (step_->kept) step_->kept->h = 0;
 }
 
-/// Its bits follow from what is kept alone, in this instance or another; those of parts do not.
+/// The result follows, to the bit, from the kept matrix alone, in this instance or another. That does not hold with parts of free pins.
 bool SurfaceTouches::resume(const Step& step) {
   const auto parts = [](const FreeMotion& each) { return each.part(); };
   if (step.kept->x->rows() == 0 || std::ranges::any_of(step.equations.around.free, parts)) return false;
@@ -140,7 +143,7 @@ bool SurfaceTouches::resume(const Step& step) {
   return true;
 }
 
-/// At the state, or as it is kept.
+/// Linearises at the present state, or at that of the kept matrix.
 void SurfaceTouches::linearise(const StepProblem& problem) {
   Factored* kept = step_->kept;
   if (resumed_) {
@@ -154,7 +157,7 @@ void SurfaceTouches::linearise(const StepProblem& problem) {
   matrix_.linearise(*made_.x, problem.body.mass / (h * h) + problem.body.damping / h, h);
 }
 
-/// The motion with the forces at hand.
+/// Computes the motion with the present forces.
 bool SurfaceTouches::solve_free(const StepProblem& problem) {
   if (stale_) linearise(problem);
   for (;;) {
@@ -193,7 +196,7 @@ StepStatus SurfaceTouches::find_forces(const StepProblem& problem) {
   return StepStatus::ok;
 }
 
-/// Normal forces beside the friction at hand, from the loads at hand on. lost: rows with friction touch no more.
+/// Finds the normal forces beside the present friction, starting from the present loads. lost: constraints with friction touch no more.
 StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
   lost = false;
   for (int looks = 0; looks < most_looks; ++looks) {
@@ -213,7 +216,7 @@ StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
   return StepStatus::not_finite;
 }
 
-/// Rows that press, and how much; what pulls is no load.
+/// Lists the contact constraints that press, with their loads. A pulling force is no load and is removed.
 void SurfaceTouches::find_loads() {
   start_.clear();
   loads_.clear();
@@ -229,7 +232,7 @@ void SurfaceTouches::find_loads() {
   }
 }
 
-/// Those of the active rows in the place of the ones at hand. Returns whether a row has lost friction with its load.
+/// Replaces the forces by those of the active constraints. Returns whether a constraint has lost its friction together with its load.
 bool SurfaceTouches::take_loads() {
   active_.clear();
   for (std::size_t t = 0; t < set_.active().size(); ++t) {
@@ -251,7 +254,7 @@ bool SurfaceTouches::rubs() const {
   return std::any_of(forces_.begin(), forces_.end(), [&](const Force& each) { return friction_[each.row.plane] > 0; });
 }
 
-/// All forces of the active rows. Returns whether they keep to Coulomb's law, and the other rows in front of their planes.
+/// Finds all forces of the active contact constraints. Returns whether they obey Coulomb's law and keep the other samples in front.
 bool SurfaceTouches::rub(const StepProblem& problem) {
   StepDelassus& g = set_.delassus();
   const int n = int(forces_.size());
@@ -277,8 +280,8 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
   return missed <= problem.slack + doubt_ && in_front(problem.slack);
 }
 
-/// Are the samples in front of the planes at the gaps at hand, as far as their lists and rounding let know? Looks for them anew where
-/// the lists do not do.
+/// True if the samples are in front of the planes at the present gaps, as far as their lists and rounding can tell. Searches anew where
+/// the lists are not sufficient.
 bool SurfaceTouches::in_front(double slack) {
   const bool covered = all_covered();
   list_candidates();
@@ -286,11 +289,11 @@ bool SurfaceTouches::in_front(double slack) {
   return covered && std::all_of(candidates_.begin(), candidates_.end(), [&](const Candidate& each) {
            const int s = each.row.sample;
            return gap_functions_[each.row.plane].at(samples_, s) >= -2 * slack - doubt_ ||
-                  set_.delassus().block(each.row, each.row).isZero(0);  // all of it pinned
+                  set_.delassus().block(each.row, each.row).isZero(0);  // all its points are pinned
          });
 }
 
-/// What a row has of gap along its normal and of slip across it [m].
+/// Gap of a contact constraint along its normal, plus its slip across the normal [m].
 Vec3 SurfaceTouches::place(const StepProblem& problem, const SurfaceRow& row) const {
   const HalfSpace& plane = planes_[row.plane];
   const Vec3 begin = begin_of(row), u = own(row) ? Vec3(material_of(row, problem.x) - begin) : samples_.at(row.sample, problem.u);
@@ -300,7 +303,7 @@ Vec3 SurfaceTouches::place(const StepProblem& problem, const SurfaceRow& row) co
   return (plane.gap(sample_of_row(row, problem.x).place) + plane.normal.dot(move)) * plane.normal + tangential(plane.normal, slip);
 }
 
-/// With these forces in the place of those before.
+/// Computes the motion with these forces in place of those before, and its rounding error.
 void SurfaceTouches::find_move(const std::vector<Force>& forces) {
   move_ = free_;
   doubt_ = 0;
@@ -320,7 +323,7 @@ void SurfaceTouches::find_move(const std::vector<Force>& forces) {
   for (; t < forces.size(); ++t) push(forces[t].row, forces[t].force);
 }
 
-/// Above the planes, moved.
+/// Computes the gap functions of the planes after the motion.
 void SurfaceTouches::find_heights(const StepProblem& problem) {
   gap_functions_.resize(planes_.size());
   operations().spend(6.0 * flat_ * double(move_.rows()) + 2 * Operations::of_place * double(planes_.size() - flat_));
@@ -338,7 +341,7 @@ void SurfaceTouches::find_heights(const StepProblem& problem) {
   }
 }
 
-/// Samples near the planes, and loaded ones.
+/// Lists the samples near the planes and the loaded ones.
 void SurfaceTouches::list_candidates() {
   candidates_.clear();
   for (int q = 0; q < flat_; ++q)
@@ -351,7 +354,7 @@ void SurfaceTouches::list_candidates() {
   std::inplace_merge(candidates_.begin(), candidates_.begin() + near, candidates_.end(), by_row);
 }
 
-/// Looks for samples anew where their lists do not do; returns whether all did.
+/// Searches for samples anew where their lists are not sufficient. Returns whether all lists were.
 bool SurfaceTouches::all_covered() {
   bool covered = true;
   for (int q = 0; q < flat_; ++q)

@@ -10,10 +10,10 @@ namespace softffd {
 
 namespace {
 
-/// Cosines so near to 1 or -1 are those of parallel planes; up to so many planes have a table of them.
+/// Cosines above `aligned` or below -aligned count as those of parallel planes. A table of cosines is kept for up to `few` planes.
 constexpr double aligned = 1 - 1e-15;
 constexpr int few = 64;
-/// Operations for the weights of a row, and for a number of a triangular solution, each of which waits for the one before it.
+/// Operations for the weights of a row, and for each element in a triangular solution, where every result waits for the one before it.
 constexpr double weights_work = 256, solution_work = 3;
 
 }  // namespace
@@ -40,7 +40,7 @@ void Delassus::set_normals(const std::vector<Vec3>& normals) {
   if (normals == normals_) return;
   normals_ = normals;
   before_.sorted = false;
-  if (free_ || !counted_) forget();  // handles are of the places before; rows not yet counted would be factored here
+  if (free_ || !counted_) forget();  // handles belong to the old places; rows not yet counted would be factored here
   cosines_.clear();
   const int n = int(normals.size());
   std::vector<double> table;
@@ -71,7 +71,7 @@ void Delassus::begin() {
   of_masses_.clear();
 }
 
-/// Rows from before count as if they were made: what contact may take is not to depend on them.
+/// Rows kept from before count as if they were made now: the work that contact may do must not depend on them.
 void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
   const auto at_hand = [&] { return sorted_ && rows == rows_ && !free_; };
   if (at_hand() && counted_) return;
@@ -87,7 +87,7 @@ void Delassus::set_rows(const std::vector<SurfaceRow>& rows) {
 double Delassus::work_of_rows() const { return size() * (weights_work + 0.5 * size() * samples_->support()); }
 double Delassus::work_of_factor(int from) const { return 0.5 * double(size()) * size() * (size() - from); }
 
-/// With the rows before them.
+/// Swaps the current rows with the rows before them.
 void Delassus::exchange() {
   if (free_) return;
   rows_.swap(before_.rows);
@@ -98,7 +98,7 @@ void Delassus::exchange() {
   std::swap(sorted_, before_.sorted);
 }
 
-/// Of the same samples G is as it was.
+/// With free bodies, G is kept if the samples are the same.
 void Delassus::list_rows(const std::vector<SurfaceRow>& rows) {
   const bool same =
       free_ && sorted_ && counted_ && !rows.empty() && std::ranges::equal(rows, rows_, {}, &SurfaceRow::sample, &SurfaceRow::sample);
@@ -118,7 +118,7 @@ void Delassus::list_rows(const std::vector<SurfaceRow>& rows) {
     for (int t = 0; t <= s; ++t) g_[start(s) + t] = element(rows_[s], over_mass(s), rows_[t], over_mass(t));
 }
 
-/// With those of the rows from here on. A row that is dropped leaves its own, which cost time and change nothing.
+/// Extends the range by the points of the rows from `from` on. The points of a dropped row stay in it: they cost time and change nothing.
 void Delassus::find_range(int from) {
   const int points = int(inverse_.size());
   const PointRange more = samples_->support() == points
@@ -127,12 +127,12 @@ void Delassus::find_range(int from) {
   range_ = {std::min(range_.begin, more.begin), std::max(range_.end, more.end)};
 }
 
-/// The same bits from either side.
+/// Returns an element of G, with the same bits if a and b are exchanged.
 double Delassus::element(const SurfaceRow& a, const double* of_a, const SurfaceRow& b, const double* of_b) const {
   return a.sample < b.sample ? samples_->product(a.sample, b.sample, of_b) : samples_->product(b.sample, a.sample, of_a);
 }
 
-/// The rows of L from here on.
+/// Computes the rows of L from `from` on.
 void Delassus::factor(int from) {
   operations_.spend(work_of_factor(from));
   if (free_) {
@@ -175,7 +175,7 @@ void Delassus::move_gaps(const Points& move, std::vector<GapFunction>& gaps) con
   }
 }
 
-/// Rows of one plane move the points along its normal alone.
+/// If all rows are on one plane, they move the points along its normal only.
 void Delassus::apply_impulses(const std::vector<double>& forces, const std::vector<GapFunction>& begin, std::vector<GapFunction>& gaps) {
   gaps = begin;
   if (rows_.empty()) return;
@@ -204,7 +204,7 @@ void Delassus::push(const std::vector<Vec3>& forces, Points& move) const {
   const int points = int(inverse_.size());
   operations_.spend(3.0 * size() * samples_->support());
   move.resize(points, 3);
-  const bool dense = size() > 0 && samples_->support() == points;  // the weights of all points, in their order
+  const bool dense = size() > 0 && samples_->support() == points;  // each row has the weights of all points, in their order
   if (!dense || range_ != PointRange{0, points}) move.setZero();
   if (dense)
     kernels::weighted_sums(points, range_, size(), forces.front().data(), over_mass_.data(), move.data());

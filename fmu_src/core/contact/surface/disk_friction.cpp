@@ -11,13 +11,14 @@ namespace softffd {
 
 namespace {
 
-/// Share of the largest slip that may be left.
+/// The iteration ends when the error of the friction law, as a slip, is at most this fraction of the largest slip.
 constexpr double exact = 1e-13;
-/// By how much a sweep must lower what is left for another one to follow at once.
+/// Another sweep follows at once if the last one has reduced the error by at least this factor.
 constexpr double falling = 4;
-/// Operations of a pair of rows in a sweep, in a look, and in Newton's equations.
+/// Operations for a pair of rows in a sweep, in `look`, and in Newton's equations.
 constexpr double sweep_work = 10;
-/// Newton's steps at a time; then so many sweeps, doubled each round.
+/// A round has up to most_newton Newton steps, then sweeps: fewest_sweeps in the first round, twice as many in each next, up to
+/// most_sweeps.
 constexpr int most_newton = 12, fewest_sweeps = 4, most_sweeps = 128, most_newton_rounds = 12;
 
 Eigen::Vector2d into_disk(const Eigen::Vector2d& p, double limit) {
@@ -37,7 +38,7 @@ TangentBasis tangents(const Vec3& normal) {
   return t;
 }
 
-/// By how much a sliding row's friction turns with its aim.
+/// Returns the derivative of a sliding row's friction with respect to its aim.
 Eigen::Matrix2d turning(const Eigen::Vector2d& aim, double limit) {
   const double size = aim.norm();
   const Eigen::Vector2d along = aim / size;
@@ -92,7 +93,7 @@ double DiskFriction::find_friction(const Disks& disks) {
     look(disks);
   };
   const auto left = [&] { return best > exact * largest && !disks.rows.operations().spent(); };
-  if (2 * sliding_.size() > free_.size())  // fast, perhaps: then friction hardly turns, and sweeps are all it takes
+  if (2 * sliding_.size() > free_.size())  // perhaps sliding is fast: friction hardly turns then, and sweeps suffice
     for (double before = 2 * falling * best; left() && falling * best < before;) {
       before = best;
       sweep(disks);
@@ -112,12 +113,12 @@ double DiskFriction::find_friction(const Disks& disks) {
   return best / largest;
 }
 
-/// Of plates that face each other.
+/// Returns -1 if the plane of row t faces the plane of the first row, as plates that face each other do; else 1.
 double DiskFriction::sign(const Disks& disks, int t) const {
   return disks.rows.cosine(disks.rows.rows()[0].plane, disks.rows.rows()[t].plane) < 0 ? -1 : 1;
 }
 
-/// G, row by row.
+/// Copies G, row by row.
 void DiskFriction::spread(const Delassus& rows) {
   known_.assign(count_, 0);
   columns_.resize(count_ * count_);
@@ -129,9 +130,9 @@ void DiskFriction::spread(const Delassus& rows) {
   }
 }
 
-/// Friction by which everything sticks.
+/// Computes the friction with which everything sticks.
 void DiskFriction::find_stuck(const Disks& disks) {
-  constexpr int together = Delassus::together;  // two are used
+  constexpr int together = Delassus::together;  // two columns are used
   if (stuck_known_) return;
   stuck_known_ = true;
   stuck_.resize(count_);
@@ -142,7 +143,7 @@ void DiskFriction::find_stuck(const Disks& disks) {
   for (int t = 0; t < count_; ++t) stuck_[t] = sign(disks, t) * Pair(columns_at_once_[together * t], columns_at_once_[together * t + 1]);
 }
 
-/// Does everything stick? p becomes the friction that makes it, if that is within the disks.
+/// True if everything sticks, that is, if the friction for this lies within the disks. Then p becomes that friction.
 bool DiskFriction::stick(const Disks& disks) {
   find_stuck(disks);
   for (int t = 0; t < count_; ++t)
@@ -159,7 +160,7 @@ void DiskFriction::find_slips() {
   }
 }
 
-/// By how much the law is missed at p, in slip; which rows slide there.
+/// Returns by how much the friction law is violated at p, as a slip, and finds the rows that slide at p.
 double DiskFriction::look(const Disks& disks) {
   disks.rows.operations().spend(sweep_work * double(free_.size()) * double(free_.size()));
   find_slips();
@@ -178,7 +179,7 @@ double DiskFriction::look(const Disks& disks) {
   return std::sqrt(worst);
 }
 
-/// Once over the disks, from where slips are known. They go along; a look sums them anew, so that no rounding adds up.
+/// Sweeps once over the disks from known slips. The sweep updates the slips; `look` sums them anew, so that rounding does not add up.
 void DiskFriction::sweep(const Disks& disks) {
   disks.rows.operations().spend(sweep_work * double(free_.size()) * double(free_.size()));
   for (const int t : free_) {
@@ -189,8 +190,9 @@ void DiskFriction::sweep(const Disks& disks) {
   }
 }
 
-/// From p that was looked at. With a row's aim z = p - slip(p) / G_tt: one that sticks has no slip; one that slides has limit z/|z|, which
-/// turns with its aim by T = limit / |z| (1 - z z'/z.z), so that along z its friction is known, and across p = T (p - slip(p) / G_tt).
+/// Takes a Newton step from a p that `look` has evaluated. The aim of a row is z = p - slip(p) / G_tt. A row that sticks has no slip. A
+/// row that slides has the friction limit z/|z|, which turns with the aim by T = limit / |z| (1 - z z'/z.z). Along z its friction is
+/// therefore known; across z it is p = T (p - slip(p) / G_tt).
 bool DiskFriction::newton_step(const Disks& disks) {
   if (all_free_ && 3 * int(sliding_.size()) <= 2 * count_) return newton_step_of_few(disks);
   unknowns_.clear();
@@ -225,7 +227,7 @@ bool DiskFriction::newton_step(const Disks& disks) {
   return true;
 }
 
-/// Columns of G^-1 of the rows that slide, with the signs of their planes, four at a time; those that are known stay.
+/// Computes the columns of G^-1 of the rows that slide, with the signs of their planes, four at a time. Known columns are kept.
 void DiskFriction::find_columns(const Disks& disks) {
   constexpr int together = Delassus::together;
   int wanted[together], found = 0;
@@ -244,7 +246,7 @@ void DiskFriction::find_columns(const Disks& disks) {
   if (found > 0) solve();
 }
 
-/// The same where few rows slide, in their slips: p = stuck + G^-1 slips.
+/// Takes the same step where few rows slide, with their slips as unknowns: p = stuck + G^-1 slips.
 bool DiskFriction::newton_step_of_few(const Disks& disks) {
   const int k = int(sliding_.size());
   disks.rows.operations().spend(double(k) * k * (8.0 / 3 * k + count_));

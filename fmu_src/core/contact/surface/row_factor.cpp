@@ -9,7 +9,7 @@ namespace {
 
 constexpr int together = RowFactor::together;
 
-/// Each sum reads what the ones before it have stored; their parts that do not wait for the last go side by side.
+/// Each sum reads the results that the sums before it have stored. The parts of the sums that do not wait for the last result overlap.
 INNER void solve_together(int n, const double* factor, const double* inverse, double* b) {
   const auto at = [b](int i) INLINED { return load<together>(b + together * i); };
   const double* row = factor;
@@ -20,7 +20,7 @@ INNER void solve_together(int n, const double* factor, const double* inverse, do
   }
   for (int i = n - 1; i >= 0; --i) {
     Lanes<together> sum = at(i);
-    const double* column = row - n + i;  // of the last row, and upwards
+    const double* column = row - n + i;  // begins in the last row and goes upwards
     for (int j = n - 1; j > i; column -= j--) sum -= *column * at(j);
     store<together>(b + together * i, sum * inverse[i]);
   }

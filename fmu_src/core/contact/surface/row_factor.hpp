@@ -9,10 +9,10 @@ namespace softffd {
 class RowFactor {
  public:
   int size() const { return size_; }
-  /// Where row i of a lower triangle begins that is stored row by row.
+  /// Returns where row i begins in a lower triangle that is stored row by row.
   static std::size_t start(int i) { return std::size_t(i) * (i + 1) / 2; }
 
-  /// The rows from this one on, of a matrix of so many; a(i, j) is its element, i >= j, and own(i) the scale of its rounding.
+  /// Factors the rows from `from` on of a (size, size) matrix with elements a(i, j), i > j, and diagonal own(i), the scale of rounding.
   template <class Element, class Own>
   void factor(int size, int from, Element a, Own own) {
     size_ = size;
@@ -32,12 +32,12 @@ class RowFactor {
       inverse_[i] = 1 / row[i];
     }
   }
-  /// What a row that may be appended comes to beside those at hand, whose elements with it are a.
+  /// A row that may be appended. a: its elements with the current rows.
   struct Column {
     std::vector<double> half, response;  ///< L^-1 a and A^-1 a
-    double own = 0, left = 0;            ///< its own element, and that less |L^-1 a|^2
+    double own = 0, left = 0;            ///< its diagonal element; own less |L^-1 a|^2
   };
-  /// Of a column that has a in `half`, and its own.
+  /// Computes the rest of a column that has a in `half`, and its diagonal element in `own`.
   void project(Column& column) const {
     forward(column.half.data());
     column.left = column.own;
@@ -45,7 +45,7 @@ class RowFactor {
     column.response = column.half;
     backward(column.response.data());
   }
-  /// Where something is left, > 0.
+  /// Appends a column whose `left` is > 0.
   void append(const Column& column) {
     l_.insert(l_.end(), column.half.begin(), column.half.end());
     l_.push_back(std::sqrt(column.left));
@@ -71,16 +71,16 @@ class RowFactor {
     forward(b);
     backward(b);
   }
-  /// The same with `together` columns, b (size, together) row by row.
+  /// Solves for `together` columns at once, b (size, together) row by row.
   static constexpr int together = 4;
   void solve_together(double* b) const;
 
  private:
-  /// Of a row's own element, what rounding may leave of it beside the others.
+  /// Smallest L_ii^2 as a fraction of the diagonal element: rounding may leave no more than this.
   static constexpr double least = 1e-16;
 
   int size_ = 0;
-  std::vector<double> l_, inverse_;  ///< and of its diagonal 1 / L_ii
+  std::vector<double> l_, inverse_;  ///< L row by row; 1 / L_ii
 };
 
 }  // namespace softffd

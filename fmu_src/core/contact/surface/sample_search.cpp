@@ -10,8 +10,8 @@ namespace softffd {
 
 namespace {
 
-/// A search reaches as far as so many steps go, fewer where a list is long already; in parts of the box at least and at most: rounding at
-/// rest makes no search, and lists stay short.
+/// The reserve of a search lasts for steps_ahead steps, or steps_of_long_list if the list is long already. Its limits are fractions of
+/// the box: rounding at rest causes no search, and lists stay short.
 constexpr double steps_ahead = 16, steps_of_long_list = 4, least_reserve = 1e-4, most_reserve = 2e-2;
 constexpr std::size_t long_list = 64;
 

@@ -1,16 +1,15 @@
-/// Which samples of the surface a plane may meet: seldom looked for, never missed.
+/// Broad phase: which samples of the surface a plane may meet. Searches are rare, and no sample is missed.
 ///
-///      a sample's height is at least the least height h_i of the control points (Samples::hull): where that is above the plane, nothing
-///      is near;
-///      since the last search no sample has come nearer than the control point that came most, so that its list still holds every
-///      sample behind the plane while that is less than the `reserve` the search was made with;
-///      a search fits h_i by an affine function a + b . X_i and a rest r_i; a + b . X_s + min r is a lower bound of the height of s, nearly
-///      the height itself of a body that only turns and shears: few gaps are weighed.
+///      The gap of a sample is at least the least gap h_i of the control points (Samples::hull). If h_i is above 0, nothing is near.
+///      Since the last search no sample has approached by more than the control point that approached most. The list still holds every
+///      sample behind the plane while that approach is less than the `reserve` of the search.
+///      A search fits h_i by an affine function a + b . X_i and a residual r_i. Then a + b . X_s + min r is a lower bound of the gap of s.
+///      For a body that only turns and shears this bound is nearly the gap itself, so that few gaps are evaluated.
 ///
-/// What is in a list beyond that changes no result, but what the list takes, which counts as work and by that decides between methods: a
-/// communication step begins without lists, so that a stored state goes on with the same bits. Within one they stay, also for steps that
-/// are taken back and for a motion beside the run's: a list holds at any gaps of the control points that are near enough to those of its
-/// search.
+/// Surplus samples in a list change no result. They change the work for the list, and so the choice between methods. A communication step
+/// therefore begins without lists, so that a stored state goes on with the same bits. Within the step lists are kept, also after a
+/// rollback and for a motion integrated beside the run: a list is valid for all gaps of the control points that are near enough to those
+/// of its search.
 #pragma once
 #include <algorithm>
 
@@ -24,25 +23,26 @@ class SampleSearch {
 
   /// No list is known.
   void forget() { std::fill(planes_.begin(), planes_.end(), Known{}); }
-  /// Does the list of plane q hold every sample that is behind it, or touches it, at these gaps of the control points (points)?
+  /// True if the list of plane q holds every sample that is behind or on the plane, at these gaps of the control points (points).
   bool covers(int q, const Scalars& of_points);
-  /// Makes the list anew. way: how far a point may come nearer in a step [m].
+  /// Makes the list anew. way: how far a point may approach the plane in a step [m].
   void look(int q, const Scalars& of_points, double way);
-  /// In ascending order.
+  /// Returns the samples of the list, in ascending order.
   const std::vector<int>& near(int q) const { return planes_[q].away ? none_ : planes_[q].near; }
-  /// Are there so many that a look at each is to be avoided?
+  /// True if the list is so long that evaluating each sample is to be avoided.
   bool is_long(int q) const;
-  /// Is none of them further behind than this, because no control point is that counts for any of them? [m] of_points: in any unit.
+  /// True if no sample of the list is further behind the plane than `slack` [m], because no control point that counts for one of them is.
+  /// of_points: in any unit, which is also the unit of `slack`.
   bool in_front(int q, const Scalars& of_points, double slack);
-  /// Numbers of the searches so far.
+  /// Number of searches so far.
   Count searches() const { return searches_; }
 
  private:
   struct Known {
-    bool away = true;     ///< nothing is near
-    double reserve = -1;  ///< [m]; negative: no search yet
-    Scalars gaps;         ///< at the search
-    Scalars idle;         ///< (points) infinite for those that count for none of these:
+    bool away = true;     ///< no sample is near
+    double reserve = -1;  ///< samples with gaps below it are listed [m]; negative: no search yet
+    Scalars gaps;         ///< of the control points at the search
+    Scalars idle;         ///< (points) 0 for points that count for a listed sample, else infinite
     std::vector<int> near;
   };
   const Samples& samples_;

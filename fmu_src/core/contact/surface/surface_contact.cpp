@@ -10,18 +10,18 @@ namespace softffd {
 
 namespace {
 
-/// Looks for samples until those that a stage has brought to a plane are among them.
+/// Largest number of times that a stage is solved with new samples, until the samples that it has brought to a plane are among them.
 constexpr int most_looks = 20;
-/// Lifts of tangents for the turn of a free obstacle.
+/// Largest number of times that supporting half-spaces are lifted because a free obstacle turns.
 constexpr int most_lifts = 5;
-/// Share of what contact does to the kinetic energy that is rounding.
+/// A gain of kinetic energy up to this fraction of the energy that contact exchanges counts as rounding.
 constexpr double no_gain = 1e-10;
-/// Of its limit, friction that a step begins to look at.
+/// Friction of the state above this multiple of the Coulomb limit is not used as a warm start.
 constexpr double most_share = 2;
 
 }  // namespace
 
-/// Rows of the state, of which those among the candidates can be active.
+/// Takes over rows of the state. Only rows among the candidates can be active.
 void SurfaceContact::load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const {
   stage.rows.clear();
   stage.share.clear();
@@ -100,7 +100,7 @@ void SurfaceContact::move_planes(const StepView& step) {
   if (moved) set_planes();
 }
 
-/// GapFunction above the planes; returns whether a control point is behind one, or the sample of a tangent.
+/// Computes the gaps above the planes. Returns whether a control point, or the sample of a supporting half-space, is behind one.
 bool SurfaceContact::find_heights(const Points& x1) {
   bool behind = false;
   for (std::size_t q = 0; q < end_.size(); ++q) {
@@ -115,7 +115,7 @@ bool SurfaceContact::find_heights(const Points& x1) {
   return behind;
 }
 
-/// Along the normals at the end of the step, but of one plane.
+/// Computes the velocities along the normals at the end of the step, except for plane `but`.
 void SurfaceContact::find_speeds(const Points& v, int but) {
   for (int q = 0; q < int(end_.size()); ++q) {
     if (q == but) continue;
@@ -126,7 +126,7 @@ void SurfaceContact::find_speeds(const Points& v, int but) {
   }
 }
 
-/// Lists the samples near a plane.
+/// Lists the samples near plane q.
 void SurfaceContact::search(int q, const Scalars& gaps, double way) {
   search_.look(q, gaps, way);
   found_ += Operations::of_value * samples_.count();
@@ -138,7 +138,8 @@ double SurfaceContact::slack_of_rows() const {
   return row_slack * far;
 }
 
-/// Solves for the samples near the planes, and again if it has brought others there. rows: of the state; way: by which a point moves [m].
+/// Solves for the samples near the planes, and again if the solution has brought other samples there. rows: of the state; way: by how
+/// much a point moves [m].
 StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip) {
   free_ = drift_.gaps;
   for (int q = 0; q < flat_; ++q)
@@ -165,7 +166,7 @@ StepStatus SurfaceContact::fit(const std::vector<Count>& rows, const Points& fri
   return StepStatus::not_finite;
 }
 
-/// Where a sample is to be tangentially at the end of the drift: it sticks from the moment on at which it is on its plane.
+/// Returns where a sample should be tangentially at the end of the drift: it sticks from the moment at which it reaches its plane.
 Vec3 SurfaceContact::aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once) {
   const Vec3 begin = begin_of(row, step.x0);
   const Vec3 target = begin + step.h * middle_[row.plane].material_velocity(0.5 * (begin + free));
@@ -180,7 +181,7 @@ void SurfaceContact::find(const StepView& step, const Points& x1, const SurfaceR
   move_planes(step);
   if (solids_) find_tangents(step.around, step.t0, step.t1, step.x0, tangents_.way(step.x0, x1));
   bool any = rows.drift[0] >= 0 || near_ || int(end_.size()) > flat_;
-  if (!any) {  // costs less than gaps
+  if (!any) {  // costs less than computing gaps
     const Points& hull = samples_.hull(x1, room_);
     for (int q = 0; q < flat_ && !any; ++q)
       any = kernels::behind(step.body.points(), hull.data(), end_[q].normal.data(), end_[q].offset, behind_.data());
@@ -246,7 +247,7 @@ void SurfaceContact::allow(double most) {
   for (SurfaceStage* stage : {&drift_, &close_}) stage->operations().allow(most * in_evaluation_);
 }
 
-/// A stage begins, with what the other one has left of what both may do.
+/// Limits the work of a stage that begins to what the other stage and the searches have left.
 void SurfaceContact::share_work(SurfaceStage& stage) {
   const SurfaceStage& other = &stage == &drift_ ? close_ : drift_;
   stage.operations().limit(most_ * in_evaluation_ - found_ - other.operations().done());
@@ -254,7 +255,7 @@ void SurfaceContact::share_work(SurfaceStage& stage) {
 
 double SurfaceContact::work() const { return (found_ + drift_.operations().done() + close_.operations().done()) / in_evaluation_; }
 
-/// The drift's stage, until no other samples may have come to a solid by it.
+/// Solves the drift's stage, and again while its result may have brought other samples to a solid.
 StepStatus SurfaceContact::position_stage(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
   StepStatus status = meet_near(step, v, x1, rows);
   for (int looks = 0; solids_ && status == StepStatus::ok; ++looks) {
@@ -281,7 +282,7 @@ StepStatus SurfaceContact::position_stage(const StepView& step, const Points& v,
   return StepStatus::ok;
 }
 
-/// With the tangents at hand.
+/// Solves the drift's stage with the current supporting half-spaces.
 StepStatus SurfaceContact::meet_near(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
   const double way = step.h * largest_speed(v);
   arrives_ = false;
@@ -297,7 +298,7 @@ StepStatus SurfaceContact::meet_near(const StepView& step, const Points& v, cons
   return StepStatus::ok;
 }
 
-/// Would the drift's forces add to the kinetic energy, as the planes see it?
+/// True if the forces of the drift would add kinetic energy, in the frame of the planes.
 bool SurfaceContact::gains(const StepView& step, const Points& x1) const {
   double gain = 0, size = 0;
   for (std::size_t t = 0; t < drift_.rows.size(); ++t) {
@@ -312,7 +313,7 @@ bool SurfaceContact::gains(const StepView& step, const Points& x1) const {
   return gain > no_gain * size;
 }
 
-/// Velocities after the closing kick, with these samples in front of their planes.
+/// Changes the velocities after the closing kick so that these samples stay in front of their planes.
 StepStatus SurfaceContact::stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows) {
   places_known_ = false;
   const bool held = recall(rows.close, close_) && hold_close(step, v, candidates);
@@ -323,7 +324,7 @@ StepStatus SurfaceContact::stop(const std::vector<Candidate>& candidates, const 
 
 StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v,
                                      const SurfaceRows& rows) {
-  const Points& x1 = step.x0;  // of this end of the step
+  const Points& x1 = step.x0;  // at this end of the step
   if (&candidates != &close_.candidates) close_.candidates = candidates;
   double fastest = largest_speed(v);
   for (Candidate& candidate : close_.candidates) {
@@ -344,7 +345,7 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
   return close_.solve(slack_, std::ref(slip_of));
 }
 
-/// Are the drift's rows on one plane, on which they were before, and does one of them stick?
+/// True if the drift's rows are on one plane, were on it before the step, and at least one of them sticks.
 bool SurfaceContact::sticks() const {
   const std::vector<SurfaceRow>& rows = drift_.rows;
   return !rows.empty() && !lands_ && rows.front().plane == rows.back().plane &&
@@ -361,7 +362,7 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   if (close_.free() ? hold_free_close(step, v) : hold_close(step, v, touching_)) {
     if (!close_.free() && !places_known_) at_hand_.at(step.x0, places_);
   } else {
-    if (sticks()) {  // others would carry the body as well, and friction on them not hold what these hold
+    if (sticks()) {  // others would carry the body as well, but friction on them would not hold what these hold
       close_.rows = drift_.rows;
       close_.share = drift_.share;
       save(close_, rows.close, rows.close_friction);

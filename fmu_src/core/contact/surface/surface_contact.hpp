@@ -1,24 +1,25 @@
-/// Contact of the object's own surface with obstacle planes, explicit: no sample of the surface is behind a plane at the end of any
+/// Explicit contact of the object's own surface with obstacle planes: no sample of the surface is behind a plane at the end of any
 /// internal step. Control points may be.
 ///
-/// The gap of a sample is linear in the control points, n . Q_s(x) - c with Q_s(x) = sum W_si x_i, so that what the obstacles do is one
-/// convex problem of the whole body (surface_stage.hpp), twice a step as with contact of control points (contact.hpp):
+/// The gap of a sample is linear in the control points, n . Q_s(x) - c with Q_s(x) = sum W_si x_i. The action of the obstacles is
+/// therefore one convex problem of the whole body (surface_stage.hpp), solved twice a step as in contact of control points (contact.hpp):
 ///
-///      drift   x1 = x0 + h v is moved to the nearest body that no plane cuts, in the metric of the masses; v by the move over h
-///      close   velocities after the closing half kick likewise, for the samples that touch a plane at t1
+///      drift   x1 = x0 + h v is moved to the nearest body that no plane cuts, in the metric of the masses; v changes by that move over h
+///      close   the velocities after the closing half kick are changed likewise, for the samples that touch a plane at t1
 ///
-/// A sample that arrives at the share th of the step gets (1 - th) of its impulse at the drift and the rest at the closing, which is second
-/// order. Friction brakes the slip after the impact alone: at the drift a sample that arrives is to stick where it would be if it had slid
-/// freely until then,
+/// A sample that arrives at the fraction th of the step gets (1 - th) of its impulse at the drift and the rest at the closing, which is
+/// second order. Friction brakes only the slip after the impact: at the drift an arriving sample is to stick where it would be if it
+/// had slid freely until the impact,
 ///
-///      target = Q_s(x0) + h w + th (its free slip),      one that was on the plane at t0: th = 0,
+///      target = Q_s(x0) + h w + th (its free slip),      for a sample that was on the plane at t0: th = 0,
 ///
-/// with the velocity w of the obstacle's material; what sticks stays at its target, so that nothing creeps. Contact adds no kinetic energy
-/// on planes at rest; were th to make it, the stage is done again with th = 0.
+/// with the velocity w of the obstacle's material. A sticking sample stays at its target, so that nothing creeps. Contact adds no kinetic
+/// energy on planes at rest: if th made it add any, the stage is solved again with th = 0.
 ///
-/// The rows that are active, and the friction on them, are where the next step begins to look; they belong to the state (model/run.hpp).
-/// While a body rests, rolls or sways on one plane they do for nearly every step (surface_hold.cpp). The closing begins with those of the
-/// drift: of crowded samples many would carry the body as well, and friction on others could not hold what those hold.
+/// The active contact constraints and their friction are the warm start of the next step; they belong to the state (model/run.hpp). While
+/// a body rests, rolls or sways on one plane, they remain the solution in nearly every step (surface_hold.cpp). The closing starts with
+/// the constraints of the drift: among crowded samples many others would carry the body as well, but friction on those others could not
+/// hold what the constraints of the drift hold.
 #pragma once
 #include "contact/pin_impulses.hpp"
 #include "contact/surface/sample_rows.hpp"
@@ -35,62 +36,61 @@ class SurfaceContact {
  public:
   SurfaceContact(const Body& body, int planes);
 
-  /// Moves the body out of planes at a communication point; velocities stay. As a whole where nothing is pinned and that does; the rest is
-  /// pushed in. Sets `moved` if there was any.
+  /// Moves the body out of planes at a communication point; velocities stay. If nothing is pinned and that suffices, the body is moved as
+  /// a whole; what is left is pushed in. Sets `moved` if anything has moved.
   StepStatus clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved);
-  /// The same of free obstacles, out of others.
+  /// Moves free obstacles out of other obstacles likewise.
   StepStatus clear_free_jumps(const Drive& around, double time, std::vector<FreeState>& free, bool& moved) {
     return tangents_.move_out(around, time, free, moved);
   }
-  /// Samples on each plane, counted.
+  /// Counts the samples on each plane.
   void count(const Drive& around, double time, const Points& x, std::vector<Count>& contacts);
 
-  /// Before steps of size h from t0 on, with these half kicks.
+  /// Prepares steps of size h from t0 on, with these half kicks.
   void begin(const Body& body, const HalfKicks& kicks, const Drive& around, double t0, double h);
-  /// After `begin`, where the first kick is to be held: finds the samples that touch an obstacle at x.
+  /// After `begin`, if `hold` is to act on the first kick: finds the samples that touch an obstacle at x.
   void look(const Drive& around, double time, const Points& x);
-  /// Looks whether the free drift to x1 may bring the surface to an obstacle. rows: of the state.
+  /// Finds out whether the free drift to x1 may bring the surface to an obstacle. rows: of the state.
   void find(const StepView& step, const Points& x1, const SurfaceRows& rows);
-  /// Then, as in contact.hpp.
-  /// free: bodies, as they begin the step, that end it as they fly and obstacles, or contact, push them.
+  /// After `find`: correct x1 and v, then v after the closing half kick, as in contact.hpp. free: the free bodies at the start of the
+  /// step. They are changed to what they are at its end, by flight, obstacles and contact.
   StepStatus drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows, std::vector<FreeState>& free,
                    Exchange& exchange);
   StepStatus close(const StepView& step, Points& v, SurfaceRows& rows, std::vector<FreeState>& free, Exchange& exchange);
-  /// Energy that contact took in the step that `close` has ended, less the work of the obstacles' own motion [J], where kicks are those of
-  /// kick.hpp. v1: velocities at its end.
+  /// Returns the energy that contact took in the step that `close` has ended, less the work of the prescribed motion of the obstacles
+  /// [J], for the kicks of kick.hpp. v1: velocities at the end of the step.
   double loss(const StepView& step, const Points& v1) const;
-  /// The part of it that points of free pins had.
+  /// Returns the part of this energy that comes from the points of free pins [J].
   double loss_of_free_pins(const StepView& step, const Points& v1) const;
-  /// Where it is not asked for, nothing is kept for it.
+  /// True if `loss` is wanted. Otherwise nothing is stored for it.
   static bool wants_loss(const StepView& step) { return step.around.watch || !step.body.damped; }
-  /// Is anything there for `hold`? Where not, it would leave all velocities as they are.
+  /// True if there is anything for `hold` to do. Otherwise `hold` would leave all velocities as they are.
   bool lasts(const SurfaceRows& rows) const { return !lasting_.empty() || (!rows.close.empty() && rows.close[0] >= 0); }
-  /// Velocities with the samples held that touch at this end of the step, before its drift, and did at the other end, after it; nothing
-  /// else changes.
+  /// Projects the velocities so that samples stick that touch an obstacle both at the start of the step and after its drift. Nothing else
+  /// changes.
   StepStatus hold(const StepView& step, Points& v, const SurfaceRows& rows, const std::vector<FreeState>& free) {
     set_free(step.around, free, step.x0);
     return stop(lasting_, step, v, rows);
   }
 
-  /// Was anything near that was found?
+  /// True if `find` has found anything near an obstacle.
   bool near() const { return near_; }
-  /// Does any sample touch a plane after the last drift?
+  /// True if any sample touches a plane after the last drift.
   bool touched() const { return !touching_.empty(); }
   Count impacts() const { return impacts_; }
 
-  /// Work that may be done from here on, in evaluations of the spring forces; beyond it a step is given up. And what has been done.
+  /// Limits the work from here on, in evaluations of the spring forces. A step that exceeds it is given up. `work` is what has been done.
   void allow(double most);
   double work() const;
   bool spent() const { return !(work() <= most_); }
 
  private:
   using Slip = std::function<Vec3(const SurfaceRow&)>;
-  /// By which the state knows a row.
-  /// In the order of the rows: solids' own samples come last.
+  /// Returns the number by which the state identifies a row. Numbers are in the order of the rows: solids' own samples come last.
   Count number(const SurfaceRow& row) const {
     return Count(obstacle_[row.plane] + (samples_.of_object(row.sample) ? 0 : still_.size())) * samples_.all() + row.sample;
   }
-  /// Its plane as an obstacle; that of a solid's own sample is none.
+  /// Returns the row with the number of its obstacle as its plane. For a solid's own sample this plane is no obstacle's.
   SurfaceRow row_of(Count number) const { return {int(number / samples_.all()), int(number % samples_.all())}; }
   void load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const;
   void save(const SurfaceStage& stage, std::vector<Count>& numbers, Points& friction) const;
@@ -116,10 +116,10 @@ class SurfaceContact {
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
   bool gains(const StepView& step, const Points& x1) const;
   void find_places(const SurfaceStage& stage, const Points& x1);
-  /// Is it a row of a solid's own sample?
+  /// True if the sample of the row is a solid's own.
   bool own(const SurfaceRow& row) const { return !samples_.of_object(row.sample); }
   const Tangent& tangent_of(const SurfaceRow& row) const { return tangents_.found()[row.plane - flat_]; }
-  /// Of the sample of a row: at the end of the step that x belongs to, or at its end without contact.
+  /// Returns the place of a row's sample at the time of x0, which is t0 or t1; and its place at t1 without contact.
   Vec3 begin_of(const SurfaceRow& row, const Points& x0) const { return own(row) ? tangent_of(row).place : samples_.at(row.sample, x0); }
   Vec3 flown_of(const SurfaceRow& row, const Points& x1) const { return own(row) ? tangent_of(row).flown : samples_.at(row.sample, x1); }
   Vec3 velocity_of(const SurfaceRow& row, const Points& v) const {
@@ -153,46 +153,46 @@ class SurfaceContact {
   double length_;
   SampleSearch search_;
   Tangents tangents_;
-  bool solids_ = false;        ///< any obstacle is one
-  int flat_ = 0;               ///< number of half-spaces, which come first; then planes of the tangents, one each
-  std::vector<int> obstacle_;  ///< whose plane it is
-  std::vector<int> alone_;     ///< of a tangent its sample; -1
-  std::vector<Vec3> own_;      ///< place of a solid's own sample
+  bool solids_ = false;        ///< any obstacle is met as a solid
+  int flat_ = 0;               ///< number of half-spaces, which come first; then one plane for each supporting half-space of a solid
+  std::vector<int> obstacle_;  ///< obstacle of each plane
+  std::vector<int> alone_;     ///< the one sample of a supporting half-space; -1: the plane is for all samples
+  std::vector<Vec3> own_;      ///< place of the solid's own sample at each plane [m]
   SurfaceStage drift_, close_;
   FreeRows free_rows_;
-  std::vector<FreeState> free_start_;            ///< at the start of the step
+  std::vector<FreeState> free_start_;            ///< free bodies at the start of the step
   std::vector<HalfSpace> start_, middle_, end_;  ///< the planes at the start of the step, in its middle, at its end
   std::vector<double> friction_;
   std::vector<char> still_;
-  std::vector<SolidPose> poses_;  ///< at the end of the step; none: no half-space stands for a solid
+  std::vector<SolidPose> poses_;  ///< of the planes at the end of the step; empty: no half-space stands for a solid
   std::vector<Vec3> normals_;
-  std::vector<GapFunction> free_;    ///< gaps before a stage
-  std::vector<Candidate> touching_;  ///< after the last drift; or of these those that were active before it,
-  int known_ = -1;                   ///< where a long list of this plane alone has no other that matters
+  std::vector<GapFunction> free_;    ///< gaps before the drift's stage
+  std::vector<Candidate> touching_;  ///< samples that touch after the last drift; if known_ >= 0, only those active before it
+  int known_ = -1;                   ///< plane whose long list has no further sample that matters; -1: none
   std::vector<Candidate>
-      lasting_;         ///< of these, between drift and closing, those that touched before the drift; where first kicks are held
-  bool holds_ = false;  ///< they are
-  double slack_ = 0;    ///< of the last closing [m/s]
-  SampleRows at_hand_;  ///< the rows that may hold, and of these:
-  std::vector<Vec3> begin_, away_;     ///< where they are at t0, or how fast they move; how far from where they are to be
-  std::vector<double> gaps_, bounds_;  ///< gaps after a stage, and what they are to be
+      lasting_;         ///< between drift and closing: those of touching_ that touched before the drift; only if first kicks are held
+  bool holds_ = false;  ///< first kicks are held
+  double slack_ = 0;    ///< tolerance of the last closing [m/s]
+  SampleRows at_hand_;  ///< rows that may all stick, and of these rows:
+  std::vector<Vec3> begin_, away_;     ///< places at t0, or velocities; distance from where they should be
+  std::vector<double> gaps_, bounds_;  ///< gaps after a stage, and what these gaps should be
   std::vector<Vec3> places_;           ///< of the rows of a stage at t1
-  bool places_known_ = false;          ///< they are those of the drift's rows
-  Scalars weights_;                    ///< of a sample
-  Points given_;                       ///< by obstacles to the control points [N s]
-  Points start_v_, start_force_;       ///< at the start of a step with contact
-  PinImpulses pins_;                   ///< of what obstacles give pinned points
+  bool places_known_ = false;          ///< places_ are those of the drift's rows
+  Scalars weights_;                    ///< of one sample
+  Points given_;                       ///< impulses of obstacles on the control points [N s]
+  Points start_v_, start_force_;       ///< velocities and forces at the start of a step with contact
+  PinImpulses pins_;                   ///< impulses of obstacles on pinned points
   bool near_ = false;                  ///< a control point is behind a plane, or a sample was on one
-  std::vector<unsigned char> behind_;  ///< which
-  Points room_;                        ///< of the surface's hull
-  bool arrives_ = false;               ///< a sample with friction comes onto its plane in this step
-  bool lands_ = false;                 ///< any sample does
+  std::vector<unsigned char> behind_;  ///< bits of the control points behind a plane
+  Points room_;                        ///< for the hull of the surface
+  bool arrives_ = false;               ///< a sample with friction arrives on its plane in this step
+  bool lands_ = false;                 ///< any sample arrives on its plane in this step
   Count version_ = -1, call_ = -1;
   double h_ = -1;
   Count impacts_ = 0;
-  double found_ = 0;  ///< operations to find samples and tangents
+  double found_ = 0;  ///< operations spent on finding samples and supporting half-spaces
   double most_ = std::numeric_limits<double>::infinity();
-  double in_evaluation_ = 1;  ///< operations
+  double in_evaluation_ = 1;  ///< operations in an evaluation of the spring forces
 };
 
 }  // namespace softffd

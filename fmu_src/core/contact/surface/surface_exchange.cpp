@@ -1,11 +1,11 @@
-/// What contact of the surface gives obstacles, pins and free bodies, the energy that it takes, and tangents of bodies that turn.
+/// Impulses of surface contact on obstacles, pins and free bodies, the energy that contact takes, and tangents of bodies that turn.
 #include <algorithm>
 
 #include "contact/surface/surface_contact.hpp"
 
 namespace softffd {
 
-/// Where the rows of a stage are, after it.
+/// Finds the places of the rows of a stage after the stage.
 void SurfaceContact::find_places(const SurfaceStage& stage, const Points& x1) {
   places_.clear();
   for (const SurfaceRow& row : stage.rows) {
@@ -14,7 +14,7 @@ void SurfaceContact::find_places(const SurfaceStage& stage, const Points& x1) {
   }
 }
 
-/// Impulses of a stage with forces times per_force [N s]. Returns the work of the own motion of obstacles and pins [J].
+/// Books the impulses of a stage, its forces times per_force [N s]. Returns the work of the prescribed motion of obstacles and pins [J].
 double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
   double work = 0;
   Impulse taken;
@@ -37,7 +37,7 @@ double SurfaceContact::book(const StepView& step, const SurfaceStage& stage, dou
   return step.around.pins.empty() ? work : work + give_pins(step, stage, per_force, exchange);
 }
 
-/// Free bodies yield to the rows of the next stage, which are at x; without any nothing of them is looked at.
+/// Includes the compliance of free bodies in the rows of the next stage, which are at x. Does nothing if there are no free bodies.
 void SurfaceContact::set_free(const Drive& around, const std::vector<FreeState>& free, const Points& x) {
   if (around.free.empty()) return;
   free_rows_.set_bodies(around, free, x, 1, true);
@@ -45,8 +45,8 @@ void SurfaceContact::set_free(const Drive& around, const std::vector<FreeState>&
   for (SurfaceStage* stage : {&drift_, &close_}) stage->set_free(&free_rows_);
 }
 
-/// What a stage with forces times `rate` gives them, and by which it moves them at once. The arms are those of its rows, so that the
-/// angular momentum of all is kept.
+/// Applies the forces of a stage times `rate` to the free bodies and, if `move` is set, also moves these bodies. The lever arms are those
+/// of the stage's rows, so that the total angular momentum is conserved.
 void SurfaceContact::give_free(const SurfaceStage& stage, const Drive& around, double rate, bool move, std::vector<FreeState>& free) const {
   for (std::size_t k = 0; k < free.size() && !stage.rows.empty(); ++k) {
     const auto& [force, torque] = free_rows_.given()[k];
@@ -57,7 +57,7 @@ void SurfaceContact::give_free(const SurfaceStage& stage, const Drive& around, d
   }
 }
 
-/// The work of contact on free bodies in the step is what they have of kinetic energy beyond the work of their loads.
+/// Books the work of contact on free bodies in the step: the change of their kinetic energy less the work of their loads.
 void SurfaceContact::book_free(const StepView& step, const std::vector<FreeState>& free, Exchange& exchange) const {
   for (std::size_t k = 0; k < free.size(); ++k) {
     const FreeMotion& body = step.around.free[k];
@@ -71,7 +71,7 @@ void SurfaceContact::book_free(const StepView& step, const std::vector<FreeState
   }
 }
 
-/// By which rows have moved any free obstacle [m].
+/// Returns the largest distance by which the rows have moved any free obstacle [m].
 double SurfaceContact::obstacles_way(const Drive& around) const {
   double most = 0;
   for (const FreeMotion& each : around.free) {
@@ -82,8 +82,8 @@ double SurfaceContact::obstacles_way(const Drive& around) const {
   return most;
 }
 
-/// Where an obstacle has turned by its rows, samples may be behind it by the square of that: lifts their tangents by as much. Returns
-/// whether any was.
+/// If the rows have turned an obstacle, samples may be behind it by an amount of second order in the turn. Lifts the supporting
+/// half-spaces of these samples by that amount. Returns whether any was lifted.
 bool SurfaceContact::lift_tangents(const StepView& step, const Points& x1, const std::vector<FreeState>& free) {
   if (drift_.rows.empty() || std::ranges::all_of(free_rows_.twists(), [](const Twist& each) { return each.turn.isZero(0); })) return false;
   bool lifted = false;
@@ -117,7 +117,7 @@ bool SurfaceContact::lift_tangents(const StepView& step, const Points& x1, const
   return lifted;
 }
 
-/// The same of a solid's own sample, with free bodies in these states.
+/// Lifts the supporting half-space of a solid's own sample likewise, with free bodies in the states `moved`.
 bool SurfaceContact::lift(const StepView& step, int i, const std::vector<FreeState>& moved, double slack) {
   const Tangent& found = tangents_.found()[i];
   const auto pose = [&](int q) {
@@ -130,8 +130,8 @@ bool SurfaceContact::lift(const StepView& step, int i, const std::vector<FreeSta
   return true;
 }
 
-/// Impulse on a solid's own sample by its obstacle [N s]: the free one of them is pushed, the other takes it. Returns the work of that
-/// one's own motion on the free one [J].
+/// Books the impulse of an obstacle on a solid's own sample [N s]: one of the two is free and is pushed, the other takes the reaction.
+/// Returns the work of the other one's prescribed motion on the free one [J].
 double SurfaceContact::book_own(const StepView& step, const SurfaceRow& row, const Vec3& place, const Vec3& impulse, Exchange& exchange) {
   const int solid = tangent_of(row).solid;
   const bool free = step.around.planes[solid].own;
@@ -144,8 +144,8 @@ double SurfaceContact::book_own(const StepView& step, const SurfaceRow& row, con
   return given.dot(pose.material_velocity(place));
 }
 
-/// Pins take what obstacles give the points that they hold: of each sample the share that its weights give these. Points of free pins keep
-/// what moves them. Returns the work of the pins' own motion [J].
+/// Gives pins the impulses of obstacles on the points that they hold: the weights of a sample distribute its impulse to the points.
+/// Points of free pins keep the part that moves them. Returns the work of the pins' prescribed motion [J].
 double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange) {
   const Scalars& mass = &stage == &drift_ ? step.kicks.opening_mass() : step.kicks.closing_mass();
   const int n = step.body.points();
@@ -166,9 +166,9 @@ double SurfaceContact::give_pins(const StepView& step, const SurfaceStage& stage
   return work;
 }
 
-/// Its impulses J change the kinetic energy by J . w, where w is the mean of the velocities at both ends of the step. Where a sample lands
-/// they also move the points in the step, on which the forces F work: half a step at the drift and as much less at the closing. Lasting
-/// contact balances the part of F that this takes for work, and does none.
+/// The impulses J of contact change the kinetic energy by J . w, where w is the mean of the velocities at both ends of the step. If a
+/// sample lands, they also move the points within the step, and the forces F work on that motion: over half a step for the drift, over as
+/// much less for the closing. Lasting contact balances the part of F that this would count as work, and does none.
 double SurfaceContact::loss(const StepView& step, const Points& v1) const {
   if (touching_.empty()) return 0;
   const int n = step.body.points();

@@ -1,7 +1,7 @@
-/// Lasting contact with one plane, most steps of a body that rests, rolls or sways: the samples that touched before do again, all of them
-/// press and stick, and nothing else has come near. It is found without a list of candidates, by the rows of the state alone, and looked
-/// at afterwards; where it is not so, the stage is solved from its beginning: where a long list of samples is near, at first with these
-/// rows alone too, of which some may slide.
+/// Lasting contact with one plane, in most steps of a body that rests, rolls or sways: the samples that touched before touch again, all
+/// of them press and stick, and no other sample has come near. This solution is found from the rows of the state alone, without a list of
+/// candidates, and is checked afterwards. If the check fails, the stage is solved from its beginning. If a long list of samples is near,
+/// that solution too is first tried with the rows of the state alone, of which some may slide.
 #include <algorithm>
 
 #include "contact/surface/surface_contact.hpp"
@@ -10,7 +10,7 @@
 
 namespace softffd {
 
-/// Rows of the state, all of one plane that is no solid's tangent; false where they are others, or none.
+/// Takes over the rows of the state. False if there are none, or if they are not all on one plane that is no half-space of a solid.
 bool SurfaceContact::recall(const std::vector<Count>& numbers, SurfaceStage& stage) const {
   std::vector<SurfaceRow>& rows = stage.rows;
   std::size_t n = 0;
@@ -29,7 +29,7 @@ bool SurfaceContact::recall(const std::vector<Count>& numbers, SurfaceStage& sta
   return rows.front().plane == rows.back().plane;
 }
 
-/// The drift's stage.
+/// Solves the drift's stage by the rows of the state, if all of them press and stick. False if not.
 bool SurfaceContact::hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
   if (solids_ || drift_.free() || !recall(rows.drift, drift_)) return false;
   const int q = drift_.rows.front().plane;
@@ -39,7 +39,7 @@ bool SurfaceContact::hold_drift(const StepView& step, const Points& v, const Poi
   at_hand_.at(x1, places_);
   away_.resize(places_.size());
   for (std::size_t t = 0; t < away_.size(); ++t) {
-    if (start_[q].gap(begin_[t]) > touching * length_) return false;  // it arrives
+    if (start_[q].gap(begin_[t]) > touching * length_) return false;  // the sample arrives in this step
     Vec3 slip = places_[t] - begin_[t];
     if (!still_[q]) slip -= step.h * middle_[q].material_velocity(0.5 * (begin_[t] + places_[t]));
     away_[t] = plane.gap(places_[t]) * plane.normal;
@@ -56,7 +56,7 @@ bool SurfaceContact::hold_drift(const StepView& step, const Points& v, const Poi
   return true;
 }
 
-/// The same of rows on solids, beside free bodies.
+/// Does the same for rows on solids, beside free bodies.
 bool SurfaceContact::hold_free_drift(const StepView& step, const Points& x1, const SurfaceRows& rows) {
   const double slack = slack_of_rows(), touch = touching * length_;
   std::vector<SurfaceRow>& held = drift_.rows;
@@ -70,14 +70,14 @@ bool SurfaceContact::hold_free_drift(const StepView& step, const Points& x1, con
     if (at < 0) return false;
     const int q = flat_ + at;
     const Vec3 begin = samples_.at(sample, step.x0), free = samples_.at(sample, x1);
-    if (start_[q].gap(begin) > touch) return false;  // it arrives
+    if (start_[q].gap(begin) > touch) return false;  // the sample arrives in this step
     const Vec3 slip = free - begin - step.h * middle_[q].material_velocity(0.5 * (begin + free));
     held.push_back({q, sample});
     away_.push_back(end_[q].gap(free) * end_[q].normal);
     if (friction_[q] > 0)
       away_.back() += tangential(end_[q].normal, slip);
     else
-      return false;  // what slides is for the stage
+      return false;  // sliding rows are left to the full solution
     places_.push_back(free);
   }
   if (held.empty() || !std::ranges::is_sorted(held)) return false;
@@ -127,8 +127,8 @@ bool SurfaceContact::hold_free_close(const StepView& step, const Points& v) {
   return true;
 }
 
-/// Are the rows at hand on their plane after the drift, and all other samples in front of theirs? Lists those that touch; where many are
-/// near and no control point that counts for one is behind the plane, the rows alone.
+/// True if after the drift the current rows are on their plane and all other samples are in front of theirs. Lists the samples that
+/// touch. If many samples are near, and no control point that counts for one of them is behind the plane, lists the rows alone.
 bool SurfaceContact::list_held(double h, const Points& v) {
   const double slack = slack_of_rows();
   const std::vector<SurfaceRow>& rows = drift_.rows;
@@ -157,7 +157,7 @@ bool SurfaceContact::list_held(double h, const Points& v) {
   return found == rows.size();
 }
 
-/// The closing's stage by its rows, where these candidates are to stay in front of their planes.
+/// Solves the closing's stage by its rows, if all of them press and stick and the candidates stay in front of their planes. False if not.
 bool SurfaceContact::hold_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates) {
   const std::vector<SurfaceRow>& rows = close_.rows;
   if (close_.free() || rows.empty() || rows.front().plane != rows.back().plane || rows.front().plane >= flat_) return false;
@@ -198,8 +198,8 @@ bool SurfaceContact::hold_close(const StepView& step, const Points& v, const std
   return true;
 }
 
-/// As `fit` for the rows of the state alone, sticking or not. Where a list is long and in front of its plane then, the list would not
-/// change it, to the bit.
+/// Does what `fit` does, for the rows of the state alone, which may stick or slide. If the list is long and its samples are then in front
+/// of the plane, the full list would give the same result to the bit.
 bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip) {
   known_ = -1;
   int near = -1;
@@ -223,7 +223,7 @@ bool SurfaceContact::fit_known(const std::vector<Count>& rows, const Points& fri
   return true;
 }
 
-/// Of all samples near the plane, where those were not listed.
+/// Lists the samples that touch among all samples near the plane, if they have not been listed.
 void SurfaceContact::list_touching() {
   touching_.clear();
   for (const int s : search_.near(known_)) {
@@ -233,7 +233,7 @@ void SurfaceContact::list_touching() {
   known_ = -1;
 }
 
-/// As fit_known.
+/// Does what `fit_known` does, for the closing.
 bool SurfaceContact::find_stop_of_known(const StepView& step, const Points& v, const SurfaceRows& rows) {
   const HalfSpace& plane = end_[known_];
   if (!plane.spin.isZero(0)) return false;

@@ -1,4 +1,4 @@
-/// Between steps: samples that planes have jumped over, and those that touch.
+/// Between steps: samples that planes have jumped over, and samples that touch.
 #include <algorithm>
 
 #include "contact/surface/surface_contact.hpp"
@@ -8,13 +8,13 @@ namespace softffd {
 
 namespace {
 
-/// Moves out of solids that one after the other may need.
+/// Largest number of moves out of solids, which may be needed one after the other.
 constexpr int most_jump_looks = 50;
 
 }  // namespace
 
 StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, double time, Points& x, bool& moved) {
-  double way = 0;  // a point has been moved at most, twice: samples so near to a solid are kept off it by the next move
+  double way = 0;  // twice the largest move of a point: samples this near to a solid are kept off it by the next move
   const auto clear = [&] {
     double deepest = 0;
     return !gaps_at(around, time, x, way, deepest) ||
@@ -22,7 +22,7 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
   };
   know(around, time);
   drift_.set_free(nullptr);           // bodies stay where they are
-  std::ranges::fill(friction_, 0.0);  // nothing rubs in a jump
+  std::ranges::fill(friction_, 0.0);  // no friction in a jump
   if (clear()) return StepStatus::ok;
   if (body.version != version_) {
     version_ = body.version;
@@ -41,7 +41,7 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
     x += drift_.move();
     way = std::max(way, 2 * tangents_.way(before, x));
     moved = true;
-    if (!solids_ || clear()) return StepStatus::ok;  // before solids other samples may have come
+    if (!solids_ || clear()) return StepStatus::ok;  // other samples may have come to solids
   }
   return StepStatus::impossible_planes;
 }
@@ -57,7 +57,7 @@ void SurfaceContact::look(const Drive& around, double time, const Points& x) {
   holds_ = true;
 }
 
-/// Samples near plane q where it is now, all that touch it among them; their gaps are those of drift_.
+/// Returns the samples near plane q in its current position, among them all that touch it. Their gaps are those of drift_.
 const std::vector<int>& SurfaceContact::near(int q, const Points& x) {
   GapFunction& gaps = drift_.gaps[q];
   gaps.find(samples_, x, end_[q].normal, end_[q].offset);
@@ -65,7 +65,8 @@ const std::vector<int>& SurfaceContact::near(int q, const Points& x) {
   return search_.near(q);
 }
 
-/// Tangents, and gaps above the planes; deepest: of the samples [m]. Returns whether any control point is behind one.
+/// Finds the tangents and the gaps above the planes. deepest: lowered to the least gap of the samples [m]. Returns whether any control
+/// point is behind a plane.
 bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, double way, double& deepest) {
   if (solids_) find_tangents(around, time, time, x, way, false);
   if (!find_heights(x)) return false;
@@ -78,7 +79,7 @@ bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, 
   return true;
 }
 
-/// Moves the whole body by the shortest way that brings its samples in front of all planes, if there is one: that strains nothing.
+/// Translates the whole body by the shortest way that brings its samples in front of all planes, if there is one: that causes no strain.
 void SurfaceContact::shift(Points& x) const {
   std::vector<Constraint> constraints;
   for (std::size_t q = 0; q < end_.size(); ++q) {

@@ -10,7 +10,7 @@ namespace softffd::kernels {
 
 namespace loops {
 
-/// Sums and extremes are taken of so many numbers side by side.
+/// Number of sums or extremes that are taken side by side.
 constexpr int side_by_side = 8;
 
 template <int n>
@@ -20,7 +20,7 @@ INNER Lanes<n / 2> halved(const Lanes<n>& of) {
   return half[0] + half[1];
 }
 
-/// Of the lanes of registers that hold eight numbers, in the same order for any width.
+/// Returns the sum of the lanes of registers that hold eight numbers together, in the same order for any register width.
 template <int n>
 INNER double total(const Lanes<n>* of) {
   Lanes<2> two;
@@ -33,7 +33,7 @@ INNER double total(const Lanes<n>* of) {
   return two[0] + two[1];
 }
 
-/// act(i, register) for the points of a range, as many at a time as a register holds.
+/// Calls act(i, register) for the points of a range, as many at a time as a register holds.
 template <int n, class Act>
 INNER void each_register(PointRange range, const Act& act) {
   int i = range.begin;
@@ -53,7 +53,8 @@ INNER void weighted_sums(int points, PointRange range, int rows, const double* f
   });
 }
 
-/// Of so many rows at a time, which read the points' values once: sums of eight points side by side, then of these.
+/// Computes the sums of `some` rows at a time, which reads the values of the points once: eight partial sums side by side, then their
+/// total.
 template <int n, int columns, int some>
 INNER void some_row_sums(int points, PointRange range, const double* w, const double* x, double* sums) {
   constexpr int registers = side_by_side / n;
@@ -76,7 +77,7 @@ INNER void some_row_sums(int points, PointRange range, const double* w, const do
 
 template <int n, int columns>
 INNER void row_sums(int points, PointRange range, int rows, const double* w, const double* x, double* sums) {
-  constexpr int some = n == 8 ? 4 : n == 4 ? 2 : 1;  // as many as registers hold
+  constexpr int some = n == 8 ? 4 : n == 4 ? 2 : 1;  // as many rows as the registers hold
   const auto next = [&]<int count>(std::integral_constant<int, count>) INLINED {
     some_row_sums<n, columns, count>(points, range, w, x, sums);
     w += std::ptrdiff_t(count) * points, sums += count * columns, rows -= count;
@@ -138,7 +139,7 @@ INNER Descent descent(std::size_t count, const double* before, const double* gap
   for (int r = 0; r < registers; ++r) least[r] = rise[r] = std::numeric_limits<double>::infinity() + none[r];
   for (std::size_t i = 0; i < count; i += side_by_side)
     for (int r = 0; r < registers; ++r) {
-      const std::size_t at = std::min(i, count - side_by_side) + r * n;  // the last ones overlap
+      const std::size_t at = std::min(i, count - side_by_side) + r * n;  // the last block overlaps the one before it
       const Lanes<n> height = load<n>(gaps + at), risen = height - load<n>(before + at);
       least[r] = height < least[r] ? height : least[r];
       rise[r] = risen < rise[r] ? risen : rise[r];

@@ -1,4 +1,4 @@
-/// Solids among the obstacles of the surface: tangents, found anew in each step, are planes of one sample each.
+/// Solids among the obstacles of the surface: their supporting half-spaces, found anew in each step, are planes for one sample each.
 #include <algorithm>
 
 #include "contact/surface/surface_contact.hpp"
@@ -8,12 +8,12 @@ namespace softffd {
 
 namespace {
 
-/// Operations on numbers to find a tangent, and through a step for the height of its sample.
+/// Operations to find a supporting half-space, and to evaluate the gap of its sample throughout a step.
 constexpr double tangent_work = 1500;
 
 }  // namespace
 
-/// The obstacles at this time. Solids that are met as themselves, which come after all else, have rows by their tangents alone.
+/// Sets the obstacles at this time. Solids that are met as themselves come last; their rows are on supporting half-spaces only.
 void SurfaceContact::know(const Drive& around, double time) {
   const int flat = int(std::ranges::count_if(around.planes, [](const Plane& plane) { return !plane.solid(); }));
   solids_ = around.planes.back().solid();
@@ -37,7 +37,7 @@ void SurfaceContact::know(const Drive& around, double time) {
   set_planes();
 }
 
-/// Do the active rows, at their places, press on the solids that half-spaces stand for?
+/// Finds out whether the active rows, at their places, press on the solids for which half-spaces stand.
 StepStatus SurfaceContact::pressed_solids(const StepView& step, const SurfaceStage& stage) const {
   for (std::size_t t = 0; t < stage.rows.size() && !poses_.empty(); ++t) {
     const int q = stage.rows[t].plane;
@@ -55,7 +55,7 @@ void SurfaceContact::resize(std::size_t planes) {
   own_.resize(planes, Vec3::Zero());
 }
 
-/// The tangents of what can come to a solid from t0 to t1, if no point moves further than this [m].
+/// Finds the supporting half-spaces for samples that can come to a solid from t0 to t1, if no point moves further than `way` [m].
 void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, const Points& x0, double way, bool own) {
   std::vector<std::pair<Count, Candidate>> lasting;
   for (const Candidate& candidate : lasting_) lasting.push_back({number(candidate.row), candidate});
@@ -86,8 +86,8 @@ void SurfaceContact::find_tangents(const Drive& around, double t0, double t1, co
   }
 }
 
-/// Tangents at the end of the drift in the place of those at its start: half of an impulse has the direction of either, which is second
-/// order.
+/// Replaces the supporting half-spaces at the start of the drift by those at its end. Each half of an impulse then has the direction of
+/// one of them, which is second order.
 void SurfaceContact::turn_tangents(const StepView& step, const Points& x1) {
   tangents_.renew_own(step.around, step.t1);
   for (std::size_t i = 0; i < tangents_.found().size(); ++i) {

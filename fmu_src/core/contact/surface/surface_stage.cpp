@@ -9,18 +9,19 @@ namespace softffd {
 
 namespace {
 
-/// Turns of all forces together and normal forces alone; of the largest displacement that these forces undo, what they may leave [1].
+/// most_turns: largest number of times that all forces together and then the normal forces alone are found. balanced: all forces together
+/// may leave this fraction of the largest displacement that they cancel [1].
 constexpr int most_turns = 30;
 constexpr double balanced = 1e-13;
-/// Rows that lose their normal force to friction one after the other, at most: each round has lost one.
+/// Largest number of rounds in `settle`: in each of them a row has lost its normal force to friction.
 constexpr int most_settlings = 1000;
-/// Of its limit, friction by which what slid may go on.
+/// A row that slid starts with an aim at this multiple of its friction limit, so that it may slide on.
 constexpr double slides_on = 2;
 
 }  // namespace
 
 void SurfaceStage::set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction, const std::vector<int>& samples) {
-  if (normals.size() != normals_.size()) set_.delassus().forget();  // their planes may not be there
+  if (normals.size() != normals_.size()) set_.delassus().forget();  // the planes of the rows may no longer exist
   gaps.resize(normals.size());
   const int points = set_.delassus().samples().lattice().points();
   for (std::size_t q = 0; q < normals.size(); ++q) {
@@ -71,7 +72,7 @@ bool SurfaceStage::hold(const std::vector<Vec3>& away) {
   const Vec3& normal = normals_[plane];
   const double friction = friction_[plane];
   Delassus& delassus = set_.delassus();
-  constexpr int columns = Delassus::together;  // three are used
+  constexpr int columns = Delassus::together;  // three columns are used
   missed_ = 0;
   delassus.set_rows(rows);
   columns_.resize(columns * n);
@@ -116,12 +117,12 @@ bool SurfaceStage::hold_free(const std::vector<Vec3>& away) {
 
 bool SurfaceStage::aligned(int p, int q) const { return std::abs(set_.delassus().cosine(p, q)) == 1; }
 
-/// Are all rows at hand on parallel planes? Then friction brings none of them nearer to its own.
+/// True if all current rows are on parallel planes. Friction then brings none of them nearer to its own plane.
 bool SurfaceStage::parallel() const {
   return std::ranges::all_of(rows, [&](const SurfaceRow& row) { return aligned(rows[0].plane, row.plane); });
 }
 
-/// Does friction bring no sample behind a plane of another direction? Gaps of these are as they were before.
+/// True if friction brings no sample behind a plane of another direction. The gaps above such planes lack friction and are computed anew.
 bool SurfaceStage::rubs_apart(double tolerance) {
   if (rows.empty()) return true;
   const Samples& samples = set_.delassus().samples();
@@ -138,7 +139,7 @@ bool SurfaceStage::rubs_apart(double tolerance) {
   return true;
 }
 
-/// Friction at the normal forces at hand, looked for first where it was.
+/// Computes the friction at the current normal forces, starting from the friction of the rows active before.
 void SurfaceStage::rub(const std::function<Vec3(const SurfaceRow&)>& slip) {
   limits_.clear();
   slips_.clear();
@@ -151,8 +152,8 @@ void SurfaceStage::rub(const std::function<Vec3(const SurfaceRow&)>& slip) {
   missed_ = disks_.solve({set_.delassus(), normals_, limits_, slips_}, p_);
 }
 
-/// All forces of the rows at hand together; then the normal forces beside this friction, so that no sample is behind a plane, and again
-/// where that takes other rows.
+/// Solves for all forces of the current rows together, then for the normal forces beside this friction, so that no sample is behind a
+/// plane. Repeats both if other rows become active.
 template <class Block>
 StepStatus SurfaceStage::balance(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
   force_.assign(rows.size(), Vec3::Zero());
@@ -176,7 +177,7 @@ StepStatus SurfaceStage::balance(double tolerance, const std::function<Vec3(cons
   return StepStatus::ok;
 }
 
-/// At the forces at hand, none at first.
+/// States the problem of Coulomb's law at the current forces, which are zero at first.
 template <class Block>
 void SurfaceStage::state_law(const std::function<Vec3(const SurfaceRow&)>& slip, bool first) {
   const Delassus& g = set_.delassus();
@@ -214,7 +215,7 @@ void SurfaceStage::state_law(const std::function<Vec3(const SurfaceRow&)>& slip,
   operations().spend(n * (Operations::of_value + Operations::of_place + 10.0 * n));
 }
 
-/// The normal forces at this friction, which only active rows have.
+/// Computes the normal forces at the current friction, which only active rows have.
 StepStatus SurfaceStage::settle(double tolerance) {
   for (int round = 0; round < most_settlings; ++round) {
     gaps = begin_;

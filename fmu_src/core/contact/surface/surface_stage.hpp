@@ -1,18 +1,18 @@
-/// One stage of a step in contact: what obstacles do to the samples at the end of the drift, or to their velocities after the closing kick.
+/// One stage of a step in contact: obstacles act on the samples at the end of the drift, or on their velocities after the closing kick.
 ///
-/// y0 is where the body would be without them, y where it is with the forces f_s = l_s n_q + p_s of the active rows,
+/// y0 is the state of the body without obstacles. y is its state with the forces f_s = l_s n_q + p_s of the active rows,
 /// y = y0 + sum_s W_s f_s / m.
 ///
-/// While the active rows are on one plane, or on parallel ones, friction moves none of them nearer to its plane: the normal forces come
-/// first (dual_active_set.hpp), then the friction (disk_friction.hpp): measured, 0.65 of the time that all forces together take where most
-/// rows slide. Where that brings a sample behind a plane of another direction, all begins anew:
+/// While the active rows are on one plane, or on parallel planes, friction moves none of them nearer to its plane. The normal forces are
+/// then found first (dual_active_set.hpp) and the friction after them (disk_friction.hpp): measured, this takes 0.65 of the time for all
+/// forces together, where most rows slide. If friction brings a sample behind a plane of another direction, the stage begins anew:
 ///
-/// Rows on planes of different directions need both at once: all forces of the rows that were active come first (coulomb_rows.hpp), from
-/// what stuck and what slid; then the normal forces beside their friction, so that no sample is behind a plane, whatever friction has come
-/// to. Where that makes other rows active, both again.
+/// Rows on planes of different directions need both at once. All forces of the rows that were active are found first (coulomb_rows.hpp),
+/// starting from what stuck and what slid; then the normal forces beside this friction, so that no sample is behind a plane, whatever the
+/// friction has become. If this makes other rows active, both are repeated.
 ///
-/// In nearly every step of lasting contact the rows at hand do, and all of them stick. Then G f undoes gaps and slips at once: three right
-/// sides for one factor. That is `hold`, to be tried before `solve`; what other samples do then is for the caller to look at.
+/// In nearly every step of lasting contact the current rows suffice and all of them stick. Then G f cancels gaps and slips at once: three
+/// right-hand sides for one factor. `hold` does that, to be tried before `solve`. The caller has to check what other samples do then.
 #pragma once
 #include <functional>
 #include <tuple>
@@ -28,42 +28,43 @@ class SurfaceStage {
  public:
   explicit SurfaceStage(const Samples& samples) : set_(samples) {}
 
-  /// The planes of what follows, and of those of one sample alone which; -1: of any.
+  /// Sets the planes for what follows. samples: of each plane the one sample that it is for; -1: it is for all samples.
   void set_planes(const std::vector<Vec3>& normals, const std::vector<double>& friction, const std::vector<int>& samples);
-  /// Inverse masses of the control points (points), 0 of pinned ones.
+  /// Sets the inverse masses of the control points (points), 0 of pinned ones.
   void set_masses(const Scalars& inverse) { set_.delassus().set_masses(inverse); }
-  void begin() { set_.delassus().begin(); }  ///< a stretch of steps
+  void begin() { set_.delassus().begin(); }  ///< begins a sub-interval
   void set_free(FreeRows* free) { set_.delassus().set_free(free); }
 
   Operations& operations() const { return set_.delassus().operations(); }
 
-  /// To be filled before `solve`: gaps of y0 above the planes, which become those of y, and rows that must be kept, sorted.
+  /// To be filled before `solve`: gaps of y0 above the planes, which become those of y; and contact constraints to be satisfied, sorted.
   std::vector<GapFunction> gaps;
   std::vector<Candidate> candidates;
-  /// Rows that were active before, sorted, and where their friction is looked for first, in parts of its limit.
+  /// Rows that were active before, sorted, and the start values of their friction as ratios to its limit.
   std::vector<SurfaceRow> rows;
   std::vector<Vec3> share;
 
-  /// Do the rows at hand, all of one plane, push it and stick? away: how far each is from where it is to be at y0, along its normal and,
-  /// where there is friction, across. On success gaps of all planes are those of y.
+  /// True if the current rows, all on one plane, press on it and stick. away: of each row, distance at y0 from where it should be, along
+  /// its normal and, if there is friction, across. On success the gaps of all planes are those of y.
   bool hold(const std::vector<Vec3>& away);
-  /// The same beside free bodies, of any planes; without the factor of the rows' normal forces.
+  /// Does the same beside free bodies, for rows on any planes and without the factor of their normal forces.
   bool hold_free(const std::vector<Vec3>& away);
-  /// slip: of a row at y0, beyond where it would be if it stuck. On success rows and share are those that are active now.
+  /// slip: of a row at y0, relative to where it would be if it stuck. On success `rows` and `share` are those of the rows active now.
   StepStatus solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
   const Vec3& force(int t) const { return force_[t]; }  ///< of an active row
-  bool added() const { return added_; }                 ///< a row to those that were active before
+  bool added() const { return added_; }                 ///< a row has become active that was not before
   double pinned_violation() const { return set_.pinned_violation(); }
   double compliance(int t) const { return set_.delassus()(t, t); }
   const Points& move() const { return move_; }                  ///< y - y0
   PointRange range() const { return set_.delassus().range(); }  ///< of the points that move
-  /// Of free bodies, by the forces.
+  /// Free bodies, with their motion due to the forces.
   const FreeRows* free() const { return set_.delassus().free(); }
-  /// v += a (y - y0); and x, where there is one, += y - y0.
+  /// v += a (y - y0), and x += y - y0 unless x is null.
   void give(double a, Points& v, Points* x = nullptr) const {
     kernels::move_points(int(v.rows()), range(), move_.data(), a, v.data(), x ? x->data() : nullptr);
   }
-  /// By how much Coulomb's law has been missed: of the largest force its excess, or of the largest slip what is left of it, if more.
+  /// Returns the error of Coulomb's law: the excess of friction as a fraction of the largest force, or the remaining slip as a fraction
+  /// of the largest slip, whichever is more.
   double missed() const { return missed_; }
 
  private:
@@ -84,23 +85,23 @@ class SurfaceStage {
   DualActiveSet set_;
   std::vector<Vec3> normals_;
   std::vector<double> friction_;
-  std::vector<GapFunction> begin_;  ///< of y0
+  std::vector<GapFunction> begin_;  ///< gaps of y0
   std::vector<Vec3> force_, p_;
   DiskFriction disks_;
   std::vector<double> limits_;
   std::vector<Vec3> slips_;
-  std::vector<SurfaceRow> before_;  ///< rows at the beginning
-  /// Where masses alone hold the rows, and where free bodies do.
+  std::vector<SurfaceRow> before_;  ///< rows at the beginning of `solve`
+  /// Coulomb's law at the rows: with numbers if masses alone resist the forces, with matrices if free bodies do too.
   template <class Block>
   struct Law {
     CoulombRows<Block> rows;
     typename CoulombRows<Block>::Problem problem;
   };
   std::tuple<Law<double>, Law<Eigen::Matrix3d>> laws_;
-  Points move_;                  ///< y - y0 by the forces
-  std::vector<double> columns_;  ///< (rows, three and one that is not used)
+  Points move_;                  ///< y - y0 due to the forces
+  std::vector<double> columns_;  ///< (rows, 4): three right-hand sides and an unused one
   bool added_ = false;
-  double largest_free_ = 0;  ///< gap or slip of the rows at y0
+  double largest_free_ = 0;  ///< largest gap or slip of the rows at y0
   double missed_ = 0;
 };
 

@@ -11,25 +11,24 @@ namespace softffd {
 
 namespace {
 
-/// A list of samples reaches so many times as far as it must, and at least this share of the box further: it is seldom made anew.
+/// A list of samples reaches far_reach times as far as it must, plus nearest_reserve of the box, so that it is seldom made anew.
 constexpr double far_reach = 16, nearest_reserve = 1e-2;
 
-/// Radius of a free box's edges in its smallest side [1]: it slides over samples that stand a little higher than those that it presses
-/// down.
+/// Edge radius of a free box as a fraction of its smallest side [1]. With it the box slides over samples that stand a little higher than
+/// those that it presses down.
 constexpr double free_edge = 5e-3;
 
-/// Cosine of the angle between a guide and a normal below which an obstacle cannot stop what goes along the guide.
+/// If the cosine of the angle between a guide and a normal is not above this value, the obstacle cannot stop what moves along the guide.
 constexpr double along_guide = 1e-6;
 
-/// Moves out of obstacles that one after the other may need.
+/// Largest number of moves out of obstacles, which may be needed one after the other.
 constexpr int most_moves_out = 50;
 
 HalfSpace half_space(const HalfSpace& pose, const Vec3& normal, double beyond) {
   return {pose.point, normal, normal.dot(pose.point) + beyond, pose.velocity, pose.spin};
 }
 
-/// Of a box, at the point that is closest.
-/// edge: radius of its edges [m].
+/// Returns the supporting half-space of a box at the point closest to x. edge: radius of the edges of the box [m].
 HalfSpace tangent_of_box(const Vec3& sides, double edge, const SolidPose& pose, const Vec3& x) {
   const Vec3 half = (0.5 * sides).array() - edge;
   const Vec3 at = pose.edges.transpose() * (x - pose.point), closest = at.cwiseMax(-half).cwiseMin(half), out = at - closest;
@@ -42,7 +41,7 @@ HalfSpace tangent_of_box(const Vec3& sides, double edge, const SolidPose& pose, 
   return half_space(pose, at[face] < 0 ? Vec3(-pose.edges.col(face)) : Vec3(pose.edges.col(face)), half[face] + edge);
 }
 
-/// The tangent of a sample at this place of the start, taken along with the solid to another pose.
+/// Returns the tangent `here` of a sample at `place`, both in the pose `start`, taken along with the solid to another pose.
 HalfSpace carried(const Plane& solid, const SolidPose& start, const HalfSpace& here, const Vec3& place, const SolidPose& pose) {
   if (!solid.solid()) return pose;
   if (!solid.box()) return tangent(solid, pose, pose.point + swung(start.normal, pose.normal, place - start.point));
@@ -75,7 +74,7 @@ double Tangents::way(const Points& from, const Points& to) {
   return std::sqrt(samples_.hull(move_, room_).square().rowwise().sum().maxCoeff<Eigen::PropagateNaN>());
 }
 
-/// By how much any sample's gap to a solid of this size may have become smaller.
+/// Returns by how much the gap of any sample to this solid may have decreased at most since `known` [m].
 double Tangents::way_since(const Known& known, const Points& x, const SolidPose& pose, const Plane& solid) {
   const double turned = (solid.box() ? (pose.edges - known.pose.edges).norm() : (pose.normal - known.pose.normal).norm()) * solid.size();
   return way(known.x, x) + (pose.point - known.pose.point).norm() + turned;
@@ -128,7 +127,7 @@ void Tangents::find(const Drive& around, double t0, double t1, const Points& x0,
   if (samples_.all() > samples_.count()) find_between(around, t0, t1, way);
 }
 
-/// Of free obstacles and the others.
+/// Finds the tangents between free obstacles and the other obstacles.
 void Tangents::find_between(const Drive& around, double t0, double t1, double way) {
   const std::size_t objects = found_.size();
   const auto sphere = [](const Plane& solid) { return solid.solid() && samples_of(solid) == 1; };
@@ -162,7 +161,7 @@ void Tangents::find_own(const Drive& around, double time) {
   if (samples_.all() > samples_.count()) find_between(around, time, time, 0);
 }
 
-/// One after the other by the deepest of its samples.
+/// In each round, moves every free obstacle out of others by the deepest of its samples.
 StepStatus Tangents::move_out(const Drive& around, double time, std::vector<FreeState>& free, bool& moved) {
   for (int looks = 0; looks < most_moves_out; ++looks) {
     std::vector<double> deepest(free.size(), -free_touching * length_);
@@ -193,7 +192,7 @@ void Tangents::meet(const ControllerState& solid, const ControllerState& obstacl
     if (const std::optional<Tangent> met = meeting(solid, n, obstacle, reach)) found_.push_back(*met);
 }
 
-/// One is free; a guide takes what is across it.
+/// One of the two obstacles is free. If it has a guide, the guide takes all forces across it.
 std::optional<Tangent> Tangents::meeting(const ControllerState& solid, int n, const ControllerState& obstacle, double reach) const {
   const Plane &own = *solid.plane, &other = *obstacle.plane;
   const std::optional<SolidSample> sample = sample_of(own, solid.start, n, other, obstacle.start);
