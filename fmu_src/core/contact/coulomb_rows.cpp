@@ -21,16 +21,15 @@ using Mat3 = Eigen::Matrix3d;
 /// Operations of a row, of a pair of rows, of blocks where sticking rows are eliminated, and of a pair of rows that slide.
 constexpr double own_work = 100, row_work = 16, sliding_work = 40;
 template <class Block>
-constexpr double block_work = std::is_same_v<Block, Mat3> ? 50 : 2;
+constexpr double block_work = std::is_same_v<Block, Mat3> ? 8 : 2;
 
 double mean(double block) { return block; }
 double mean(const Mat3& block) { return block.trace() / 3; }
 double transposed(double block) { return block; }
 Mat3 transposed(const Mat3& block) { return block.transpose(); }
-double inverse(double block) { return 1 / block; }
-Mat3 inverse(const Mat3& block) { return block.inverse(); }
-void add_to_diagonal(double& block, double own) { block += own; }
-void add_to_diagonal(Mat3& block, double own) { block.diagonal().array() += own; }
+/// Unknowns of a row in the matrix; a number for three directions is one.
+template <class Block>
+constexpr int unknowns = std::is_same_v<Block, Mat3> ? 3 : 1;
 
 /// Onto what the law allows.
 INNER Vec3 allowed(const Vec3& normal, double friction, const Vec3& aim) {
@@ -104,25 +103,68 @@ bool CoulombRows<Block>::newton_step(const Problem& problem, Operations& operati
   sort(problem);
   operations.spend(newton_work());
   if (operations.spent()) return false;
-  const int n = int(force.size()), m = int(touching_.size()), sticking = int(sticking_.size());
-  g_.resize(std::size_t(m) * m);
+  const int m = int(touching_.size());
   change_.resize(m);
-  for (int i = 0; i < m; ++i) {
-    const int s = touching_[i];
-    const Block* row = &problem.g[s * n];
-    change_[i] = -u_[s];
-    for (int j = i; j < m; ++j) g_[i * m + j] = row[touching_[j]];
-    if (i < sticking) add_to_diagonal(g_[i * m + i], regular * own_[s]);
-  }
+  for (int i = 0; i < m; ++i) change_[i] = -u_[touching_[i]];
   let_go(problem, force);
-  eliminate_sticking();
+  assemble(problem);
+  factor_.factor();
+  for_all_sides([&] { factor_.eliminate(); });
   if (!solve_sliding(problem, force)) return false;
-  for (int i = sticking - 1; i >= 0; --i) {
-    for (int j = i + 1; j < m; ++j) change_[i] -= g_[i * m + j] * change_[j];
-    change_[i] = (g_[i * m + i] * change_[i]).eval();
-  }
+  for_all_sides([&] { factor_.substitute(); });
   for (int i = 0; i < m; ++i) force[touching_[i]] += change_[i];
   return true;
+}
+
+/// G of the touching rows, those first that stick.
+template <class Block>
+void CoulombRows<Block>::assemble(const Problem& problem) {
+  constexpr int d = unknowns<Block>;
+  const int n = int(aims_.size()), m = int(touching_.size()), sticking = int(sticking_.size());
+  factor_.resize(d * sticking, d * (m - sticking));
+  for (int j = 0; j < m; ++j) {
+    const Block* row = &problem.g[touching_[j] * n];
+    for (int i = j; i < m; ++i) set(d * i, d * j, row[touching_[i]]);
+    for (int a = 0; a < d && j < sticking; ++a) factor_(d * j + a, d * j + a) += regular * own_[touching_[j]];
+  }
+}
+
+/// Block (i, j) of a symmetric matrix, of which this is block (j, i).
+template <class Block>
+void CoulombRows<Block>::set(int i, int j, const Block& transposed) {
+  if constexpr (std::is_same_v<Block, Mat3>) {
+    for (int b = 0; b < 3; ++b)
+      for (int a = i == j ? b : 0; a < 3; ++a) factor_(i + a, j + b) = transposed(b, a);
+  } else {
+    factor_(i, j) = transposed;
+  }
+}
+
+/// Has `change_` as the right side, or as three, and as what becomes of it.
+template <class Block>
+template <class Solve>
+void CoulombRows<Block>::for_all_sides(Solve solve) {
+  constexpr int d = unknowns<Block>;
+  for (int side = 0; side < 3; side += d) {
+    for (std::size_t i = 0; i < change_.size(); ++i)
+      for (int a = 0; a < d; ++a) factor_.right(d * int(i) + a) = change_[i][side + a];
+    solve();
+    for (std::size_t i = 0; i < change_.size(); ++i)
+      for (int a = 0; a < d; ++a) change_[i][side + a] = factor_.right(d * int(i) + a);
+  }
+}
+
+/// Block (i, j), i >= j, of what is left for the rows that slide.
+template <class Block>
+Block CoulombRows<Block>::left(int i, int j) {
+  if constexpr (std::is_same_v<Block, Mat3>) {
+    Mat3 block;
+    for (int b = 0; b < 3; ++b)
+      for (int a = 0; a < 3; ++a) block(a, b) = i == j && a < b ? factor_(3 * i + b, 3 * j + a) : factor_(3 * i + a, 3 * j + b);
+    return block;
+  } else {
+    return factor_(i, j);
+  }
 }
 
 template <class Block>
@@ -171,22 +213,6 @@ void CoulombRows<Block>::let_go(const Problem& problem, std::vector<Vec3>& force
   }
 }
 
-/// Leaves in the place of their pivots the inverse ones, and of the rows that slide what these move each other by while the others stick.
-template <class Block>
-void CoulombRows<Block>::eliminate_sticking() {
-  const int m = int(touching_.size()), sticking = int(sticking_.size());
-  for (int i = 0; i < sticking; ++i) {
-    Block* row = &g_[i * m];
-    row[i] = inverse(row[i]);
-    for (int r = i + 1; r < m; ++r) {
-      const Block factor = transposed(Block(row[i] * row[r]));
-      Block* other = &g_[r * m];
-      for (int j = r; j < m; ++j) other[j] -= factor * row[j];
-      change_[r] -= factor * change_[i];
-    }
-  }
-}
-
 /// What is left to undo of their displacements becomes the change of their forces.
 template <class Block>
 bool CoulombRows<Block>::solve_sliding(const Problem& problem, const std::vector<Vec3>& force) {
@@ -200,7 +226,7 @@ bool CoulombRows<Block>::solve_sliding(const Problem& problem, const std::vector
     const Vec3 &normal = problem.normals[s], turned = own.turn / own_[s] * own.across;
     double *top = &slopes_[std::size_t(2 * i) * size], *below = top + size;
     for (int j = 0; j < k; ++j) {
-      const Block block = i <= j ? g_[at * m + first + j] : transposed(g_[(first + j) * m + at]);
+      const Block block = i >= j ? left(at, first + j) : transposed(left(first + j, at));
       const Vec3 along = block * sliding_[j].along, across = block * sliding_[j].across;
       top[2 * j] = normal.dot(along);
       top[2 * j + 1] = normal.dot(across);

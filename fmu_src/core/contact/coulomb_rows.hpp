@@ -11,13 +11,14 @@
 /// P, a step solves f = D (f - u / r), which needs of an aim only where it points:
 ///
 ///      open:    f = 0
-///      sticks:  u = 0, which G alone tells: these rows are eliminated by blocks of G
+///      sticks:  u = 0, which G alone tells: these rows are eliminated by a partial factor of G
 ///      slides:  f = l (n + mu a) + k c along its aim a and across it, c = n x a, with n . u = 0 and k = T (k - c . u / r);
 ///               T = mu n . aim / |aim - n n . aim|: how far it turns with its aim
 #pragma once
 #include <vector>
 
 #include "contact/operations.hpp"
+#include "matrix/partial_factor.hpp"
 #include "model/types.hpp"
 
 namespace softffd {
@@ -51,7 +52,11 @@ class CoulombRows {
   bool newton_step(const Problem& problem, Operations& operations, std::vector<Vec3>& force);
   void sort(const Problem& problem);
   void let_go(const Problem& problem, std::vector<Vec3>& force);
-  void eliminate_sticking();
+  void assemble(const Problem& problem);
+  void set(int i, int j, const Block& transposed);
+  template <class Solve>
+  void for_all_sides(Solve solve);
+  Block left(int i, int j);
   bool solve_sliding(const Problem& problem, const std::vector<Vec3>& force);
   void sweep(const Problem& problem, std::vector<Vec3>& force);
 
@@ -60,7 +65,7 @@ class CoulombRows {
   std::vector<Vec3> u_, aims_;                   ///< at the forces that were looked at
   std::vector<int> sticking_, rest_, touching_;  ///< rows that stick, that do not, and that are not open: sticking ones first
   std::vector<Sliding> sliding_;                 ///< after those
-  std::vector<Block> g_;                         ///< of the touching rows
+  PartialFactor factor_;                         ///< of the touching rows: those that stick are eliminated
   std::vector<Vec3> change_;                     ///< of their displacements, then of their forces
   std::vector<double> slopes_, right_;
   Count iterations_ = 0;

@@ -41,6 +41,8 @@ class LatticeMatrix {
   double solve(Points& b, double accuracy = ConjugateGradients::exact);
   /// The same for several right sides, which a factor does faster.
   double solve_together(std::span<Points* const> sides);
+  /// Number of right sides that cost as much as one.
+  int sides_at_once() const { return factor_ ? int(DissectedMatrix::together) : 1; }
 
  private:
   std::optional<DissectedMatrix> factor_;

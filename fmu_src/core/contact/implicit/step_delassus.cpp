@@ -23,6 +23,7 @@ void StepDelassus::set_matrix(StepMatrix& matrix, const Body& body) {
   matrix_ = &matrix;
   body_ = &body;
   forget_responses();
+  expected_.clear();
   rows_.clear();
   factor(0);
 }
@@ -85,7 +86,12 @@ Eigen::Matrix3d StepDelassus::compliance(int i, int j) const {
 }
 
 const StepDelassus::Response& StepDelassus::response(int s) {
-  if (index_[s] < 0) respond({s});
+  if (index_[s] >= 0) return *responses_[index_[s]];
+  std::vector<int> together{s};
+  const std::size_t room = std::max(1, matrix_->sides_at_once() / 3);
+  for (std::size_t i = 0; i < expected_.size() && together.size() < room; ++i)
+    if (index_[expected_[i]] < 0 && expected_[i] != s) together.push_back(expected_[i]);
+  respond(together);
   return *responses_[index_[s]];
 }
 

@@ -55,8 +55,10 @@ class StepDelassus {
   Eigen::Matrix3d block(const SurfaceRow& a, const SurfaceRow& b);
   /// That of a solid's own sample (FreeRows::give).
   double give(const SurfaceRow& row);
-  /// Responses of samples that will be asked for, together.
+  /// Computes the responses of these samples together.
   void respond(const std::vector<int>& samples);
+  /// Samples whose responses may be needed next. They are computed together with another one, as far as the solution has room for them.
+  void expect(const std::vector<int>& samples) { expected_ = samples; }
   /// u += Z_s f [m].
   void add_response(int s, const Vec3& f, Points& u);
   /// f_i += W_si f [N].
@@ -87,6 +89,7 @@ class StepDelassus {
   Points move_;
   mutable std::vector<double> weights_;
   std::vector<Points*> sides_;
+  std::vector<int> expected_;
   mutable Operations operations_;
 };
 

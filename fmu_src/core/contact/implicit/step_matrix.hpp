@@ -65,6 +65,7 @@ class StepMatrix {
   /// b <- A^-1 b: what pins prescribe does not move, what free parts hold moves with them.
   void solve(Points& b, double accuracy = ConjugateGradients::exact);
   void solve_together(std::span<Points* const> sides);
+  int sides_at_once() const { return columns_.empty() ? matrix_.sides_at_once() : 1; }
   /// The same of a residual, with what the parts' own equations lack.
   void solve_residual(const StepProblem& problem, Points& b);
   /// f = A u, A as it was assembled.

@@ -62,6 +62,8 @@ class Delassus {
   /// Returns the same in all directions (3, 3), with the compliance of free bodies.
   Eigen::Matrix3d block(int s, int t) const;
 
+  /// Samples whose rows may be appended next.
+  void expect(const std::vector<int>&) {}
   /// A row that may be appended: its column of G, and the part of its own compliance that the current rows leave.
   struct Column : RowFactor::Column {  ///< of A; its diagonal element is G_ss and the compliance of free bodies
     SurfaceRow row;

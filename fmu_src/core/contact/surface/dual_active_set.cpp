@@ -161,8 +161,14 @@ int DualActiveSetIn<Metric>::most_violated(std::vector<Candidate>& candidates, d
     std::nth_element(violated_.begin(), violated_.begin() + looked_at, violated_.end());
     violated_.resize(looked_at);
   }
-  for (const auto& [gap, c] : violated_) hot_.push_back(c);
-  return std::min_element(violated_.begin(), violated_.end())->second;
+  std::sort(violated_.begin(), violated_.end());
+  expected_.clear();
+  for (const auto& [gap, c] : violated_) {
+    hot_.push_back(c);
+    expected_.push_back(candidates[c].row.sample);
+  }
+  delassus_.expect(expected_);
+  return violated_.front().second;
 }
 
 template <class Metric>

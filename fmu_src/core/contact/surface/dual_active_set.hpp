@@ -65,6 +65,7 @@ class DualActiveSetIn {
   std::vector<GapFunction> begin_;  ///< of y0
   std::vector<GapFunction>* gap_functions_ = nullptr;
   std::vector<int> hot_;       ///< candidates that were violated most at the last full look
+  std::vector<int> expected_;  ///< their samples
   std::vector<char> at_hand_;  ///< candidates: 1 active, 2 pinned
   std::vector<std::pair<double, int>> violated_;
   bool added_ = false;
