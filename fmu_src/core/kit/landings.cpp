@@ -60,10 +60,10 @@ void fly_on(const Model& model, const State& begin, const RigidMotion& rigid, co
 }
 
 /// Returns the present state of a free body whose difference from the run's was `apart` this time ago [s].
-FreeState fly_beside(const FreeMotion& body, const FreeState& physical, FreeState apart, double time) {
+FreeState fly_beside(const FreeMotion& body, const FreeState& of_run, FreeState apart, double time) {
   apart.position += time * apart.velocity;
-  apart.orientation = turned(apart.orientation, time * (body.spin(beside(physical, apart)) - body.spin(physical)));
-  return beside(physical, apart);
+  apart.orientation = turned(apart.orientation, time * (body.spin(beside(of_run, apart)) - body.spin(of_run)));
+  return beside(of_run, apart);
 }
 
 /// Shifts the phase of the vibrations until a point is displaced by `most` [m], but by no more than the vibrations are large.
@@ -133,9 +133,9 @@ void set_beside(const StepContext& context, const State& begin, State& beside, d
   beside.time = begin.time;
   beside.x = begin.x + neighbour.x;
   for (const FreeMotion& each : context.drive.free) {
-    const FreeState& physical = begin.free[each.index()];
+    const FreeState& of_run = begin.free[each.index()];
     FreeState& own = neighbour.free[each.index()];
-    own = fly_beside(each, physical, own, begin.time - neighbour.off.time);
+    own = fly_beside(each, of_run, own, begin.time - neighbour.off.time);
   }
   context.run.physical.motion.free = neighbour.free;
   if (!free_of_obstacles(context, beside)) return neighbour.forget();
@@ -216,14 +216,14 @@ void Landings::part(const StepContext& context, bool flies) {
   neighbour.v -= motion.v;
   neighbour.follows = false;
   for (const FreeMotion& each : context.drive.free) {
-    const FreeState& physical = motion.free[each.index()];
+    const FreeState& of_run = motion.free[each.index()];
     FreeState& own = neighbour.free[each.index()];
-    const auto [place, speed] = free_apart(context, each, physical, own);
+    const auto [place, speed] = free_apart(context, each, of_run, own);
     if (flies)
       neighbour.off.speed = std::max(neighbour.off.speed, speed);
     else
       neighbour.off.place = std::max(neighbour.off.place, swing_time(context, each) * speed);
-    own = difference(physical, own);
+    own = difference(of_run, own);
   }
   if (std::ranges::any_of(context.drive.free, &FreeMotion::part)) return neighbour.forget();  // a difference would tear the part off
   if (!context.drive.pins.empty()) return;

@@ -25,16 +25,16 @@ TEST(what_differs_by_something_that_is_no_number_differs_by_more_than_anything) 
 TEST(what_scatters_counts_where_it_has_moved_something_and_spreads_over_the_body) {
   Bench b;
   b.request.horizon = 1;
-  const State& physical = b.run.physical.motion;
+  const State& motion = b.run.physical.motion;
   const double stretch = 1e-4, places = std::sqrt(b.model.body.points() * 3.0);
-  State struck = physical;
+  State struck = motion;
   struck.v(13, 1) += 1;
-  CHECK(scattered(b.context(), physical, struck, stretch) == 0);  // it came down within the last step
-  struck = physical;
+  CHECK(scattered(b.context(), motion, struck, stretch) == 0);  // it came down within the last step
+  struck = motion;
   struck.x(13, 1) += 1e-3;
-  const double once = 1e-3, all = scattered(b.context(), physical, struck, stretch);
+  const double once = 1e-3, all = scattered(b.context(), motion, struck, stretch);
   CHECK_NEAR(all, once * std::sqrt(1 / stretch) * 3.5 / places, 1e-12);
-  CHECK_NEAR(scattered(b.context(), physical, struck, 1), once, 1e-15);  // one stretch: it is where it has arisen
+  CHECK_NEAR(scattered(b.context(), motion, struck, 1), once, 1e-15);  // one stretch: it is where it has arisen
 }
 
 TEST(a_body_that_is_nowhere_has_deformed_since_its_bound_and_no_step_is_short_enough_for_its_spin) {

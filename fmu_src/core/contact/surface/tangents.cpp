@@ -133,7 +133,7 @@ void Tangents::find_between(const Drive& around, double t0, double t1, double wa
   const auto sphere = [](const Plane& solid) { return solid.solid() && samples_of(solid) == 1; };
   for (const FreeMotion& each : around.free) {
     if (each.body().plane < 0) continue;
-    const ControllerState own = control(around, t0, t1, each.body().plane);
+    const StepPoses own = step_poses(around, t0, t1, each.body().plane);
     const double size = own.plane->size(), fast = way_between(*own.plane, t0, t1, size).speed;
     for (int q = 0; q < int(around.planes.size()); ++q) {
       const Plane& plane = around.planes[q];
@@ -142,7 +142,7 @@ void Tangents::find_between(const Drive& around, double t0, double t1, double wa
       const double arm = (own.start.point - facing.point).norm() + size;
       const double reach = way + (t1 - t0) * (fast + way_between(plane, t0, t1, arm).speed) + touching * length_;
       if (facing.gap(own.start.point) - size > reach) continue;
-      const ControllerState other = control(around, t0, t1, q);
+      const StepPoses other = step_poses(around, t0, t1, q);
       if (sphere(*own.plane) || !sphere(plane)) meet(own, other, reach);
       if (plane.solid() && !sphere(*own.plane)) meet(other, own, reach);
     }
@@ -151,7 +151,7 @@ void Tangents::find_between(const Drive& around, double t0, double t1, double wa
             [](const Tangent& a, const Tangent& b) { return std::pair(a.obstacle, a.sample) < std::pair(b.obstacle, b.sample); });
 }
 
-Tangents::ControllerState Tangents::control(const Drive& around, double t0, double t1, int obstacle) {
+Tangents::StepPoses Tangents::step_poses(const Drive& around, double t0, double t1, int obstacle) {
   const Plane& plane = around.planes[obstacle];
   return {obstacle, &plane, plane.pose_at(t0), plane.pose_at(0.5 * (t0 + t1)), plane.pose_at(t1)};
 }
@@ -187,13 +187,13 @@ void Tangents::forget_own() {
   std::erase_if(found_, [](const Tangent& each) { return each.solid >= 0; });
 }
 
-void Tangents::meet(const ControllerState& solid, const ControllerState& obstacle, double reach) {
+void Tangents::meet(const StepPoses& solid, const StepPoses& obstacle, double reach) {
   for (int n = 0; n < samples_of(*solid.plane); ++n)
     if (const std::optional<Tangent> met = meeting(solid, n, obstacle, reach)) found_.push_back(*met);
 }
 
 /// One of the two obstacles is free. If it has a guide, the guide takes all forces across it.
-std::optional<Tangent> Tangents::meeting(const ControllerState& solid, int n, const ControllerState& obstacle, double reach) const {
+std::optional<Tangent> Tangents::meeting(const StepPoses& solid, int n, const StepPoses& obstacle, double reach) const {
   const Plane &own = *solid.plane, &other = *obstacle.plane;
   const std::optional<SolidSample> sample = sample_of(own, solid.start, n, other, obstacle.start);
   if (!sample) return {};
@@ -216,7 +216,7 @@ void Tangents::renew_own(const Drive& around, double time) {
   const double any = std::numeric_limits<double>::infinity();
   for (Tangent& each : found_) {
     if (each.solid < 0) continue;
-    const ControllerState solid = control(around, time, time, each.solid), obstacle = control(around, time, time, each.obstacle);
+    const StepPoses solid = step_poses(around, time, time, each.solid), obstacle = step_poses(around, time, time, each.obstacle);
     each = meeting(solid, number_of(each), obstacle, any).value_or(each);
   }
 }

@@ -78,14 +78,14 @@ class Tangents {
   };
   void find_between(const Drive& around, double t0, double t1, double way);
   /// The poses of an obstacle during the step.
-  struct ControllerState {
+  struct StepPoses {
     int number;
     const Plane* plane;
     SolidPose start, middle, end;
   };
-  static ControllerState control(const Drive& around, double t0, double t1, int obstacle);
-  void meet(const ControllerState& solid, const ControllerState& obstacle, double reach);
-  std::optional<Tangent> meeting(const ControllerState& solid, int n, const ControllerState& obstacle, double reach) const;
+  static StepPoses step_poses(const Drive& around, double t0, double t1, int obstacle);
+  void meet(const StepPoses& solid, const StepPoses& obstacle, double reach);
+  std::optional<Tangent> meeting(const StepPoses& solid, int n, const StepPoses& obstacle, double reach) const;
   double way_since(const Known& known, const Points& x, const SolidPose& pose, const Plane& solid);
   void list(const Plane& solid, const SolidPose& pose, const Points& x0, double reach, Known& known);
 
