@@ -1,4 +1,4 @@
-/// Where an instance stands in the standard's life cycle, and what a call outside of it is answered with.
+/// The phases of an instance in the standard's life cycle, its times, and the exception for calls that are not allowed.
 #pragma once
 #include <limits>
 #include <stdexcept>
@@ -8,19 +8,19 @@ namespace softffd::fmi {
 /// States of the FMI 2.0 co-simulation state machine, as bits for masks.
 enum Phase : unsigned { instantiated = 1, initializing = 2, stepping = 4, step_failed = 8, terminated = 16, failed = 32 };
 
-/// A call that the host got wrong or that cannot be done; what() is the message for the log.
+/// Thrown if a call of the host is wrong or cannot be carried out; what() is the message for the log.
 struct CallError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The run's time: where it starts and stops, and the communication point that it has reached [s].
+/// Times of the run: start, stop, and the communication point that it has reached [s].
 struct Times {
   double start = 0, now = 0, stop = std::numeric_limits<double>::infinity();
-  bool given = false;  ///< by the host
+  bool given = false;  ///< the host has set the times
 
-  /// Throws CallError unless a communication step from `time` goes on from here, has a length and stays within the run.
+  /// Throws CallError unless a communication step from `time` begins at `now`, has a length > 0 and ends within the run, to rounding.
   void check_step(double time, double step) const;
-  /// Length of the run [s]; `expected` where it has no end.
+  /// Returns the length of the run [s], or `expected` if there is no stop time.
   double horizon(double expected) const;
 };
 

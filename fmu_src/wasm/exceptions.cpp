@@ -1,7 +1,7 @@
-/// Exceptions for WebAssembly. zig has the sources of LLVM's libraries, but leaves these out of what it links for wasi.
+/// Exceptions for WebAssembly. zig contains the sources of LLVM's libraries, but does not link these sources for wasi.
 #include <cxa_exception.cpp>
 #include <cxa_personality.cpp>
-// Of libunwind; what the C file includes is not for extern "C".
+// From libunwind. The headers that the C file includes come first, outside of extern "C".
 #include <config.h>
 #include <threads.h>
 #include <unwind.h>

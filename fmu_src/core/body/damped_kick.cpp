@@ -23,20 +23,20 @@ double psi(double z) {
 
 /// Sets `shares` to the coefficients of the polynomial of this degree that equals psi at Chebyshev's points of [0, reach], both ends
 /// included.
-void interpolate(int degree, double reach, std::vector<double>& shares) {
-  shares.assign(degree + 1, degree == 0 ? psi(0) : 0.0);
+void interpolate(int degree, double reach, std::vector<double>& coefficients) {
+  coefficients.assign(degree + 1, degree == 0 ? psi(0) : 0.0);
   if (degree == 0) return;
   for (int k = 0; k <= degree; ++k) {
     const double x = cos_to_pi(std::numbers::pi * k / degree);
     const double value = psi(0.5 * reach * (1 - x)) * (k == 0 || k == degree ? 1.0 : 2.0) / degree;
     double before = x, now = 1;  // T_-1, T_0
     for (int j = 0; j <= degree; ++j) {
-      shares[j] += value * now;
+      coefficients[j] += value * now;
       before = std::exchange(now, 2 * x * now - before);
     }
   }
-  shares[0] *= 0.5;
-  shares[degree] *= 0.5;
+  coefficients[0] *= 0.5;
+  coefficients[degree] *= 0.5;
 }
 
 }  // namespace
@@ -44,7 +44,7 @@ void interpolate(int degree, double reach, std::vector<double>& shares) {
 DampedKick::DampedKick(int points) {
   for (Points* each : {&acceleration_, &now_, &before_, &product_, &sum_}) each->setZero(points, 3);
   pinned_.reserve(points);
-  shares_.reserve(most_products);
+  coefficients_.reserve(most_products);
 }
 
 /// The number is so large that at most 1 / z of a motion is left. The formula is fitted to a search over all z for 2 to 200 products.
@@ -65,7 +65,7 @@ void DampedKick::prepare(const Body& body, double t, double rate) {
   scale_ = -t / body.mass;
   opposed_ = -body.damping;
   reach_ = t * rate_;
-  interpolate(products(reach_) - 2, reach_, shares_);
+  interpolate(products(reach_) - 2, reach_, coefficients_);
 }
 
 void DampedKick::hold_pins(const Points& v0, Points& v) const {
@@ -80,10 +80,10 @@ void DampedKick::multiply(const Body& body, const Points& x, Points& v, Points& 
 }
 
 void DampedKick::apply(const Body& body, const Points& x, const Points& inner, const Points& outside, const Points& v0, Points& v) {
-  kernels::begin_kick(body.points(), body.mass.data(), body.damping.data(), inner.data(), outside.data(), v0.data(), shares_[0],
+  kernels::begin_kick(body.points(), body.mass.data(), body.damping.data(), inner.data(), outside.data(), v0.data(), coefficients_[0],
                       acceleration_.data(), sum_.data());
-  if (shares_.size() > 1) now_ = acceleration_;
-  for (std::size_t j = 1; j < shares_.size(); ++j) {
+  if (coefficients_.size() > 1) now_ = acceleration_;
+  for (std::size_t j = 1; j < coefficients_.size(); ++j) {
     multiply(body, x, now_, product_);
     if (j == 1) {
       before_ = now_ - (2 / reach_) * product_;
@@ -91,7 +91,7 @@ void DampedKick::apply(const Body& body, const Points& x, const Points& inner, c
       before_ = 2 * now_ - before_ - (4 / reach_) * product_;
     }
     now_.swap(before_);
-    sum_ += shares_[j] * now_;
+    sum_ += coefficients_[j] * now_;
   }
   multiply(body, x, sum_, product_);
   kernels::end_kick(v.size(), t_, v0.data(), acceleration_.data(), product_.data(), v.data());

@@ -38,7 +38,7 @@ class DampedKick {
   /// the energy gained. drifted: positions follow from the velocities before the kick instead of those after it; the work is then that on
   /// the way back, t (v - t y). Both ways are t (v0 + v) / 2 without damping; with strong damping the first is t v, the second t v0.
   double loss(const Body& body, const Points& spring, const Points& outside, const Points& v0, const Points& v, bool drifted);
-  int products() const { return int(shares_.size()) + 1; }
+  int products() const { return int(coefficients_.size()) + 1; }
   /// Returns the number for a kick of length t of this body. A kick costs about as much as this many evaluations of the spring forces.
   static int products(const Body& body, double t) { return products(t * body.fastest_damping); }
 
@@ -49,10 +49,10 @@ class DampedKick {
   void multiply(const Body& body, const Points& x, Points& v, Points& out) const;
 
   double t_ = -1;
-  Count version_ = -1;          ///< version of the body
-  double rate_ = 0;             ///< fastest damping rate [1/s]
-  double reach_ = 0;            ///< t times the fastest rate
-  std::vector<double> shares_;  ///< coefficients of psi's polynomial in Chebyshev's T_0, T_1 ... of 1 - 2 t A / reach
+  Count version_ = -1;                ///< version of the body
+  double rate_ = 0;                   ///< fastest damping rate [1/s]
+  double reach_ = 0;                  ///< t times the fastest rate
+  std::vector<double> coefficients_;  ///< coefficients of psi's polynomial in Chebyshev's T_0, T_1 ... of 1 - 2 t A / reach
   std::vector<int> pinned_;
   Scalars scale_, opposed_;                             ///< scale_ takes C + D to -t A; opposed_ is -D
   Points acceleration_, now_, before_, product_, sum_;  ///< sum_: y

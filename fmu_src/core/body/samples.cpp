@@ -71,10 +71,10 @@ Samples::Samples(Basis basis, const Lattice& lattice, const std::vector<Vec3>& p
   for (const Vec3& place : places_) {
     std::array<int, 3> first;
     for (int a = 0; a < 3; ++a) {
-      const double share = std::clamp((place[a] - lattice.origin[a]) / lattice.size[a], 0.0, 1.0);  // outside, weights would be negative
-      const Scalars all = softffd::weights(basis, share, counts_[a]);
+      const double fraction = std::clamp((place[a] - lattice.origin[a]) / lattice.size[a], 0.0, 1.0);  // outside, weights would be negative
+      const Scalars all = softffd::weights(basis, fraction, counts_[a]);
       first[a] = 0;
-      if (of_nodes()) first[a] = 3 * std::min(int(share * lobatto::patches(counts_[a])), lobatto::patches(counts_[a]) - 1);
+      if (of_nodes()) first[a] = 3 * std::min(int(fraction * lobatto::patches(counts_[a])), lobatto::patches(counts_[a]) - 1);
       while (!of_nodes() && all[first[a]] == 0 && first[a] + width_[a] < counts_[a]) ++first[a];
       factors_.insert(factors_.end(), all.begin() + first[a], all.begin() + first[a] + width_[a]);
     }

@@ -11,14 +11,15 @@ namespace softffd {
 
 namespace {
 
-/// Newton's steps at a time, which may go astray for twenty before they close in; then so many sweeps, doubled each round.
+/// Largest number of Newton steps in a row, which may diverge for twenty steps before they converge; number of sweeps that follow, which
+/// doubles in each round; largest number of rounds.
 constexpr int most_newton = 50, first_sweeps = 4, most_rounds = 8;
-/// Share of a row's own compliance that keeps equations of rows that depend on each other solvable.
+/// Fraction of a row's own compliance that is added to its diagonal, so that the equations of linearly dependent rows can be solved.
 constexpr double regular = 1e-11;
 
 using Mat3 = Eigen::Matrix3d;
 
-/// Operations of a row, of a pair of rows, of blocks where sticking rows are eliminated, and of a pair of rows that slide.
+/// Operations for a row, for a pair of rows, for a pair of sliding rows, and for each block operation in the elimination of sticking rows.
 constexpr double own_work = 100, row_work = 16, sliding_work = 40;
 template <class Block>
 constexpr double block_work = std::is_same_v<Block, Mat3> ? 8 : 2;
@@ -27,11 +28,11 @@ double mean(double block) { return block; }
 double mean(const Mat3& block) { return block.trace() / 3; }
 double transposed(double block) { return block; }
 Mat3 transposed(const Mat3& block) { return block.transpose(); }
-/// Unknowns of a row in the matrix; a number for three directions is one.
+/// Number of unknowns of a row in the matrix: one if a number stands for all three directions.
 template <class Block>
 constexpr int unknowns = std::is_same_v<Block, Mat3> ? 3 : 1;
 
-/// Onto what the law allows.
+/// Returns the projection of an aim onto the forces that the law allows.
 INNER Vec3 allowed(const Vec3& normal, double friction, const Vec3& aim) {
   const double load = std::max(0.0, normal.dot(aim)), limit = friction * load;
   const Vec3 across = tangential(normal, aim);
@@ -83,7 +84,7 @@ void CoulombRows<Block>::find_displacements(const Problem& problem, const std::v
   }
 }
 
-/// Where forces aim at these displacements. Returns by how much the law is missed.
+/// Computes the aims at the present displacements. Returns the largest violation of the law [m].
 template <class Block>
 double CoulombRows<Block>::look(const Problem& problem, const std::vector<Vec3>& force) {
   const int n = int(force.size());
@@ -96,7 +97,7 @@ double CoulombRows<Block>::look(const Problem& problem, const std::vector<Vec3>&
   return worst;
 }
 
-/// From forces that were looked at.
+/// Takes a Newton step from forces whose aims are known. Returns false if the operations are spent or there is no finite solution.
 template <class Block>
 bool CoulombRows<Block>::newton_step(const Problem& problem, Operations& operations, std::vector<Vec3>& force) {
   ++iterations_;
@@ -116,7 +117,7 @@ bool CoulombRows<Block>::newton_step(const Problem& problem, Operations& operati
   return true;
 }
 
-/// G of the touching rows, those first that stick.
+/// Assembles G of the touching rows, sticking rows first.
 template <class Block>
 void CoulombRows<Block>::assemble(const Problem& problem) {
   constexpr int d = unknowns<Block>;
@@ -129,7 +130,7 @@ void CoulombRows<Block>::assemble(const Problem& problem) {
   }
 }
 
-/// Block (i, j) of a symmetric matrix, of which this is block (j, i).
+/// Sets block (i, j) of the symmetric matrix from its block (j, i).
 template <class Block>
 void CoulombRows<Block>::set(int i, int j, const Block& transposed) {
   if constexpr (std::is_same_v<Block, Mat3>) {
@@ -140,7 +141,7 @@ void CoulombRows<Block>::set(int i, int j, const Block& transposed) {
   }
 }
 
-/// Has `change_` as the right side, or as three, and as what becomes of it.
+/// Calls solve() with `change_` as the right-hand side, once or for each of the three directions, and stores the result in `change_`.
 template <class Block>
 template <class Solve>
 void CoulombRows<Block>::for_all_sides(Solve solve) {
@@ -154,7 +155,7 @@ void CoulombRows<Block>::for_all_sides(Solve solve) {
   }
 }
 
-/// Block (i, j), i >= j, of what is left for the rows that slide.
+/// Returns block (i, j), i >= j, of the Schur complement that is left for the sliding rows.
 template <class Block>
 Block CoulombRows<Block>::left(int i, int j) {
   if constexpr (std::is_same_v<Block, Mat3>) {
@@ -174,7 +175,7 @@ double CoulombRows<Block>::newton_work() const {
   return own_work * n + row_work * n * n + block_work<Block> * eliminated + sliding_work * k * k + sliding;
 }
 
-/// Rows by where they aim.
+/// Sorts the rows into open, sticking and sliding ones by the directions of their aims.
 template <class Block>
 void CoulombRows<Block>::sort(const Problem& problem) {
   for (auto* each : {&sticking_, &rest_, &touching_}) each->clear();
@@ -197,7 +198,7 @@ void CoulombRows<Block>::sort(const Problem& problem) {
   touching_.insert(touching_.begin(), sticking_.begin(), sticking_.end());
 }
 
-/// Of forces what open rows have, and sliding ones neither along their aim nor across it.
+/// Removes the forces of open rows, and the part of the forces of sliding rows that is neither along their aim nor across it.
 template <class Block>
 void CoulombRows<Block>::let_go(const Problem& problem, std::vector<Vec3>& force) {
   const int n = int(force.size());
@@ -213,7 +214,8 @@ void CoulombRows<Block>::let_go(const Problem& problem, std::vector<Vec3>& force
   }
 }
 
-/// What is left to undo of their displacements becomes the change of their forces.
+/// Solves for the sliding rows: `change_`, the displacements that are left to be undone, becomes the change of their forces. Returns false
+/// if there is no finite solution.
 template <class Block>
 bool CoulombRows<Block>::solve_sliding(const Problem& problem, const std::vector<Vec3>& force) {
   const int m = int(touching_.size()), first = int(sticking_.size()), k = m - first, size = 2 * k;

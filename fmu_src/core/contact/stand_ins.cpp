@@ -10,7 +10,7 @@ namespace {
 
 /// A point that may press on a face must be this fraction of the box's largest side inside the edge of the face, or as far as the point
 /// and the solid may move if that is less.
-constexpr double edge_share = 0.02;
+constexpr double edge_fraction = 0.02;
 
 /// Transforms a normal from the world to the frame of the solid, in which Plane::facing is given.
 Vec3 facing_of(const Plane& solid, const SolidPose& pose, const Vec3& normal) {
@@ -59,7 +59,7 @@ bool may_stand(const Body& body, Plane& solid, const State& state, double H, dou
   const bool flat = choose(solid, pose, state.time, state.x);
   const HalfSpace here = solid.at(state.time);
   const double own = H * way_between(solid, state.time, state.time + H, radius_about(here.point, state.x)).speed;
-  const double margin = std::min(way + own, edge_share * body.length);
+  const double margin = std::min(way + own, edge_fraction * body.length);
   const auto clear = [&](const Vec3& place) { return here.gap(place) > way + own || (flat && over_face(solid, pose, place, margin)); };
   bool all = !body.samples->of_nodes();
   for (int p = 0; p < state.x.rows() && all; ++p) all = clear(row(state.x, p));

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int most_cycles = 4 * most_vectors;  // largest number of cycles; some six are needed
 constexpr double least_gain = 1e-6;            // a smaller decrease, relative to the squared norm, is not worth another cycle
-constexpr double least_share = 1e-14;          // weights up to this value become 0
+constexpr double least_weight = 1e-14;         // weights up to this value become 0
 
 using Matrix = double[most_vectors][most_vectors];
 
@@ -33,7 +33,7 @@ bool solve(Matrix& a, int count, double* x) {
 
 struct Combination {
   Matrix products;
-  std::vector<double> shares;
+  std::vector<double> weights;
   std::vector<int> in;  // the vectors that have weights
 
   /// Moves towards the point of least norm in the plane through the vectors, as far as no weight is negative. Returns the fraction of the
@@ -48,11 +48,11 @@ struct Combination {
     for (int i = 0; i < count; ++i) sum += goal[i];
     for (int i = 0; i < count; ++i) {
       goal[i] /= sum;
-      if (goal[i] <= 0) step = std::min(step, shares[in[i]] / (shares[in[i]] - goal[i]));
+      if (goal[i] <= 0) step = std::min(step, weights[in[i]] / (weights[in[i]] - goal[i]));
     }
-    for (int i = 0; i < count; ++i) shares[in[i]] += step * (goal[i] - shares[in[i]]);
-    for (const int s : in) shares[s] = shares[s] > least_share ? shares[s] : 0;
-    std::erase_if(in, [&](int s) { return shares[s] == 0; });
+    for (int i = 0; i < count; ++i) weights[in[i]] += step * (goal[i] - weights[in[i]]);
+    for (const int s : in) weights[s] = weights[s] > least_weight ? weights[s] : 0;
+    std::erase_if(in, [&](int s) { return weights[s] == 0; });
     return step;
   }
 };
@@ -61,8 +61,8 @@ struct Combination {
 
 std::vector<double> least_norm(int count, const std::function<const double*(int s)>& products, double enough) {
   Combination found;
-  found.shares.assign(count, 0.0);
-  found.shares[0] = 1;
+  found.weights.assign(count, 0.0);
+  found.weights[0] = 1;
   std::vector<double> along(count);
   for (int cycle = 0, to = 0; cycle < most_cycles; ++cycle) {
     std::copy_n(products(to), count, found.products[to]);
@@ -72,16 +72,16 @@ std::vector<double> least_norm(int count, const std::function<const double*(int 
     double square = 0;
     std::fill(along.begin(), along.end(), 0.0);
     for (const int s : found.in)
-      for (int t = 0; t < count; ++t) along[t] += found.shares[s] * found.products[s][t];
-    for (const int s : found.in) square += found.shares[s] * along[s];
+      for (int t = 0; t < count; ++t) along[t] += found.weights[s] * found.products[s][t];
+    for (const int s : found.in) square += found.weights[s] * along[s];
     if (std::sqrt(std::max(square, 0.0)) <= enough) return {};
     to = int(std::min_element(along.begin(), along.end()) - along.begin());
-    if (along[to] >= (1 - least_gain) * square || found.shares[to] > 0) break;
+    if (along[to] >= (1 - least_gain) * square || found.weights[to] > 0) break;
   }
   double sum = 0;
-  for (const double share : found.shares) sum += share;
-  for (double& share : found.shares) share /= sum;
-  return found.shares;
+  for (const double weight : found.weights) sum += weight;
+  for (double& weight : found.weights) weight /= sum;
+  return found.weights;
 }
 
 }  // namespace softffd

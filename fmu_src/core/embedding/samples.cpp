@@ -201,17 +201,17 @@ double behind(const Places& samples, const Place& q, double enough) {
     for (Index t = 0; t < samples.count; ++t) row[t] += q.square - aim[s] - aim[t];
     return row.data();
   };
-  const Numbers shares = least_norm(int(samples.count), products_of_differences, 2 * enough / std::sqrt(double(n * n * n)) - rounding);
-  if (shares.empty()) return enough;
+  const Numbers of_samples = least_norm(int(samples.count), products_of_differences, 2 * enough / std::sqrt(double(n * n * n)) - rounding);
+  if (of_samples.empty()) return enough;
   std::vector<std::pair<Numbers, double>> parts{{q.weights, 1.0}};
   for (Index s = 0; s < samples.count; ++s)
-    if (shares[s] > 0) parts.emplace_back(samples.of(s).weights, -shares[s]);
+    if (of_samples[s] > 0) parts.emplace_back(samples.of(s).weights, -of_samples[s]);
   Numbers difference(n), total(n);
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < n; ++j) {
       std::fill(difference.begin(), difference.end(), 0.0);
-      for (const auto& [weights, share] : parts) {
-        const double factor = share * weights[i] * weights[n + j];
+      for (const auto& [weights, weight_of] : parts) {
+        const double factor = weight_of * weights[i] * weights[n + j];
         for (Index k = 0; factor != 0 && k < n; ++k) difference[k] += factor * weights[2 * n + k];
       }
       for (Index k = 0; k < n; ++k) total[k] += std::abs(difference[k]);

@@ -63,8 +63,8 @@ void Modes::make(const Body& body, const Points& rest) {
   const Scalars rate = body.damping / body.mass;
   const double fastest = rate.maxCoeff();
   if (fastest > rate.minCoeff()) {
-    const double share = sorting * matrix.diagonal().maxCoeff() / fastest;
-    for (int i = 0; i < unknowns; ++i) matrix(i, i) += share * rate[i % n];
+    const double factor = sorting * matrix.diagonal().maxCoeff() / fastest;
+    for (int i = 0; i < unknowns; ++i) matrix(i, i) += factor * rate[i % n];
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
   const int modes = unknowns - 6;
@@ -103,8 +103,8 @@ void Modes::find_uneven(const Scalars& damping) {
     for (int a = 0; a < count(); ++a) {
       if (a == b || coupled(a, b) == 0) continue;
       const double apart = std::abs(power(frequency[a], 2) - power(frequency[b], 2)), fading = 1 / coupled(b, b);
-      const double share = apart * fading > frequency[b] ? frequency[b] / apart : fading;
-      uneven[b] = std::max(uneven[b], std::abs(coupled(a, b)) * share * way[a]);
+      const double factor = apart * fading > frequency[b] ? frequency[b] / apart : fading;
+      uneven[b] = std::max(uneven[b], std::abs(coupled(a, b)) * factor * way[a]);
     }
 }
 

@@ -95,7 +95,10 @@ MaterialState Solid::at(const SolidPlace& place, const Points& x) const {
 }
 
 Solid::Solid(const Lattice& lattice)
-    : lattice_(lattice), edges_(lattice), rest_(rest_positions(lattice)), volume_(lobatto::volume_shares(lattice) * lattice.size.prod()) {
+    : lattice_(lattice),
+      edges_(lattice),
+      rest_(rest_positions(lattice)),
+      volume_(lobatto::volume_fractions(lattice) * lattice.size.prod()) {
   std::array<double, 3> sides;
   double squares = 0;
   for (int a = 0; a < 3; ++a) {

@@ -39,7 +39,7 @@ Springs::Row make_row(const Lattice& lattice, Topology topology, const Direction
 }
 
 /// Returns the contribution of a cell of modulus 1 to one spring of this direction [m].
-double share_of_cell(const Lattice& lattice, const Direction& direction) {
+double fraction_of_cell(const Lattice& lattice, const Direction& direction) {
   const Vec3 side = lattice.cell();
   const double volume = side.prod();
   const std::array<int, 3> steps{direction.di, direction.dj, direction.dk};
@@ -94,15 +94,15 @@ void Springs::set_modulus(const Scalars& modulus, const Scalars& time) {
     row.stiffness.setZero();
     row.dashpot.setZero(damped ? row.lanes() : 0);
     const OfCell springs(lattice_, row.direction);
-    const double share = share_of_cell(lattice_, row.direction);
+    const double fraction = fraction_of_cell(lattice_, row.direction);
     int cell = 0;
     for (int k = 0; k + 1 < n[2]; ++k)
       for (int j = 0; j + 1 < n[1]; ++j)
         for (int i = 0; i + 1 < n[0]; ++i, ++cell)
           for (int s = 0; s < springs.count; ++s) {
             const int lane = lattice_.index(i, j, k) + springs.begins[s] - row.begin;
-            row.stiffness[lane] += share * modulus[cell];
-            if (damped) row.dashpot[lane] += share * modulus[cell] * time[cell];
+            row.stiffness[lane] += fraction * modulus[cell];
+            if (damped) row.dashpot[lane] += fraction * modulus[cell] * time[cell];
           }
   }
   pass_.set(views());

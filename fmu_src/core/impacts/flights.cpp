@@ -24,7 +24,7 @@ constexpr double entry_work = 15, flight_work = 30;
 /// If the energy of the modes misses the body's own by more than this fraction, the body is far from its rest shape and does not fly [1].
 constexpr double modal_mismatch = 0.01;
 /// Fraction of the difference between the vibrations of two runs that the next rebound may feel [1].
-constexpr double echo_share = 0.3;
+constexpr double echo_fraction = 0.3;
 
 }  // namespace thresholds
 
@@ -40,10 +40,11 @@ bool Flights::rings_about_rest(const StepContext& context) {
   context.run.control.work += use::entry_work;
   flight_.enter(context.equations(), motion.time, motion);
   const double left = left_of_run(context), drift = std::min(left, flight_.memory()) * flight_.neglected_rate();
-  const double slight = use::window_share * context.request.tolerance / (use::rebound_share * left);  // speed that matters to no rebound
+  const double slight =
+      use::window_fraction * context.request.tolerance / (use::rebound_fraction * left);  // speed that matters to no rebound
   const double missed = std::max(context.model.noise, 0.5 * flight_.modes().mass * slight * slight);
   const double left_out = std::max(drift, flight_.neglected_way(context.equations(), std::min(left, context.model.longest_lasting())));
-  return left_out <= use::window_share * context.request.tolerance &&
+  return left_out <= use::window_fraction * context.request.tolerance &&
          flight_.energy_missed() <= use::modal_mismatch * flight_.energy() + missed;
 }
 
@@ -115,9 +116,9 @@ Flights::PhaseError Flights::phase_error(const Beside& at, const State& other, c
   const RigidMotion then{.centre = rigid.centre, .velocity = rigid.velocity, .spin = rigid.spin};
   const double speed = approach_speed(context, motion, then, flight_.modes().radius);
   const double time = std::min(ahead.left - next, ahead.pressing > 0 ? 4 * speed / ahead.pressing : infinity);
-  const double effect = use::rebound_share * std::sqrt(2 * energy / flight_.modes().mass) * time;
-  found.gain = effect > use::window_share * context.request.tolerance ? mean / speed * effect : 0;
-  found.at_impact = use::echo_share * ahead.along_plane * between * flight_.remaining(next) * (1 - next / ahead.left) / 3;
+  const double effect = use::rebound_fraction * std::sqrt(2 * energy / flight_.modes().mass) * time;
+  found.gain = effect > use::window_fraction * context.request.tolerance ? mean / speed * effect : 0;
+  found.at_impact = use::echo_fraction * ahead.along_plane * between * flight_.remaining(next) * (1 - next / ahead.left) / 3;
   return found;
 }
 

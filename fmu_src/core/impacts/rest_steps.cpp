@@ -19,17 +19,17 @@ namespace thresholds {
 // Steps are the largest stable explicit ones; kit/thresholds.hpp says what the values rest on.
 
 /// Largest energy that the first implicit step may lose, in units of `allowed_loss` [1]; fraction of the tolerance for its error [1].
-constexpr double settling_loss = 3, settling_share = 0.5;
+constexpr double settling_loss = 3, settling_fraction = 0.5;
 /// Implicit steps pay from this length on, in explicit steps: the three implicit steps of a step doubling cost as much.
 constexpr double worth_resting = 400;
 /// Fraction of the tolerance for the error of a step at rest: at most, and per fraction of the run that the step takes [1]. If the error
 /// is below `easy_rest` of the allowed one, the next steps are run once, at most `longest_rest_trust` of them.
-constexpr double rest_share = 0.5, rest_rate = 4, easy_rest = 0.2;
+constexpr double rest_fraction = 0.5, rest_rate = 4, easy_rest = 0.2;
 constexpr Count longest_rest_trust = 128;
 /// Fraction of that error that a contact event within the step may cause [1]; above it, the step ends at the event. `event_shrink`: the
 /// fraction of a step that is tried first if the time of the event is unknown, and the largest fraction by which a step stops short of the
 /// event [1]. `most_event_tries`: the largest number of tries for the time of the event.
-constexpr double event_share = 0.1, event_shrink = 0.125;
+constexpr double event_fraction = 0.1, event_shrink = 0.125;
 constexpr int most_event_tries = 12;
 /// A body at rest with a larger gap has lifted off; a smaller gap is closed after a rigid shift of the body. Gaps relative to the box [1].
 constexpr double lifted = 1e-9, snapped = 1e-13;
@@ -96,7 +96,7 @@ StepStatus RestSteps::settle(const Beside& at) {
   PhysicalState& physical = context.run.physical;
   StiffContact& stiff = physical.stiff;
   const double time = physical.motion.time, h = std::min(at.end - time, use::settling_steps * at.limit);
-  const double end = h < at.end - time ? time + h : at.end, most = use::event_share * allowed(context, h);
+  const double end = h < at.end - time ? time + h : at.end, most = use::event_fraction * allowed(context, h);
   Snapshot snapshot(physical, start_);
   Step taken = step(at, end, true);
   const bool steady = taken.status == StepStatus::ok && event_of(context, taken.slip, taken.pressing, start_, most).error <= most;
@@ -110,7 +110,7 @@ StepStatus RestSteps::settle(const Beside& at) {
     }
     if (taken.status == StepStatus::ok && lost <= use::settling_loss * allowed_loss(context, stiff.pressing)) {
       const FinalError left = final_error(context, coarse_.motion, physical.motion, outlook_of_stiff(context, physical.motion));
-      if (left.size <= use::settling_share * context.request.tolerance) {
+      if (left.size <= use::settling_fraction * context.request.tolerance) {
         physical.error.add(left);
         stiff.settling = false;
         stiff.step = use::rest_growth * h;
@@ -135,13 +135,13 @@ bool RestSteps::tips(const StepContext& context) const {
   const HalfSpace obstacle = nearest_obstacle(context, motion).obstacle;
   const RigidMotion rigid = rigid_motion(context.model.body.mass, motion.x, motion.v);
   const double speed = radius_about(rigid.centre, motion.x) * tangential(obstacle.normal, rigid.spin - obstacle.spin).norm();
-  return speed * left_of_run(context) > use::rest_share * context.request.tolerance;
+  return speed * left_of_run(context) > use::rest_fraction * context.request.tolerance;
 }
 
 /// Returns the largest final error that a step of h [s] may have [m].
 double RestSteps::allowed(const StepContext& context, double h) const {
   const double tolerance = context.request.tolerance * power(context.request.step_factor, 2);
-  return std::min(use::rest_share, use::rest_rate * h / left_of_run(context)) * tolerance;
+  return std::min(use::rest_fraction, use::rest_rate * h / left_of_run(context)) * tolerance;
 }
 
 /// Takes one step to the end. If energy is lost, a contact's state changes or the body tips, returns false and ends all trust.
@@ -149,7 +149,7 @@ bool RestSteps::step_once(const Beside& at) {
   PhysicalState& physical = at.context.run.physical;
   StiffContact& stiff = physical.stiff;
   {
-    const double most = use::event_share * allowed(at.context, at.end - physical.motion.time);
+    const double most = use::event_fraction * allowed(at.context, at.end - physical.motion.time);
     Snapshot snapshot(physical, start_);
     const Step taken = step(at, at.end);
     const bool steady =
@@ -202,7 +202,7 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
   const double time = physical.motion.time, wanted = next;
   Snapshot snapshot(physical, start_);
   ContactEvent event;
-  Step taken = step_before_event(at, next, use::event_share * allowed(context, next - time), event);
+  Step taken = step_before_event(at, next, use::event_fraction * allowed(context, next - time), event);
   const double h = next - time;
   const bool cut = next != wanted;
   FinalError left{infinity};

@@ -28,7 +28,7 @@ constexpr double impact_length = 240;
 constexpr double after_flight = 0.25;
 /// If the error by lost phases of the vibrations exceeds `hopeless` tolerances, impacts may add `share_of_known` of that error, because
 /// nothing can keep the tolerance then. If the total error exceeds `lost` tolerances, windows are run once.
-constexpr double hopeless = 10, share_of_known = 0.1, lost = 300;
+constexpr double hopeless = 10, fraction_of_known = 0.1, lost = 300;
 /// Smallest step of a window, in largest stable steps; largest number of reruns of a window.
 constexpr double finest_window = 1.0 / 64;
 constexpr int most_window_tries = 6;
@@ -138,9 +138,9 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     const Flights::PhaseError phase = rings ? flights.phase_error(at, coarse_.motion, ahead) : Flights::PhaseError();
     left.size = std::max(left.size, phase.at_impact);
     const double error = left.size;
-    const double exact = use::window_share * tolerance / (1 + phase.gain);
-    const double known = fresh && stiff.unknown > use::hopeless * tolerance ? use::share_of_known * stiff.unknown : 0;
-    const double allowed = std::max(physical.total_error() > exact ? use::window_share * tolerance : exact, known);
+    const double exact = use::window_fraction * tolerance / (1 + phase.gain);
+    const double known = fresh && stiff.unknown > use::hopeless * tolerance ? use::fraction_of_known * stiff.unknown : 0;
+    const double allowed = std::max(physical.total_error() > exact ? use::window_fraction * tolerance : exact, known);
     if (error <= allowed || 0.5 * h <= least || tries == use::most_window_tries) {
       const bool easy = !fresh && tries == 0 && 4 * error < use::easy * allowed;
       if (easy) std::swap(physical, coarse_);  // the step size of the trusted windows: another one would disturb a body at rest

@@ -31,7 +31,8 @@ class Integrators {
   const ImplicitWork& implicit_work() const { return implicit_work_; }
   /// Work that an implicit step with contact may take at least before it is given up; less than the whole budget of the call.
   double patience() const {
-    const double large = std::min(thresholds::patient_matrices * implicit_work_.in_contact(), thresholds::patient_share * budget_.left());
+    const double large =
+        std::min(thresholds::patient_matrices * implicit_work_.in_contact(), thresholds::patient_fraction * budget_.left());
     return std::max(thresholds::least_implicit_work, large);
   }
   /// Number of matrices factored since the start; zero as long as no implicit steps are tried.

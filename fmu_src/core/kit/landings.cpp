@@ -25,7 +25,7 @@ constexpr double most_of_contact = 4;
 /// Largest number of moves that bring the neighbour out of obstacles when it starts, one obstacle at a time.
 constexpr int most_ways_out = 20;
 /// A guided obstacle is moved out only if its guide has at least this component along the normal [1].
-constexpr double least_share_of_guide = 0.1;
+constexpr double least_cosine_of_guide = 0.1;
 
 }  // namespace thresholds
 
@@ -95,9 +95,9 @@ bool move_out(const StepContext& context, const NearestObstacle& nearest, Points
   const Vec3& normal = nearest.obstacle.normal;
   if (const FreeMotion* free = nearest.plane->own) {
     const Vec3 along = free->body().guided() ? free->body().guide : normal;
-    const double share = along.dot(normal);
-    if (std::abs(share) < use::least_share_of_guide) return false;
-    context.run.physical.motion.free[free->index()].position += nearest.gap / share * along;
+    const double cosine = along.dot(normal);
+    if (std::abs(cosine) < use::least_cosine_of_guide) return false;
+    context.run.physical.motion.free[free->index()].position += nearest.gap / cosine * along;
     return true;
   }
   if (context.drive.held()) return false;

@@ -97,12 +97,12 @@ double step_limit(const StepContext& context, Method method, bool given) {
 
 double shortest_in_contact(const StepContext& context, double limit) {
   const Body& body = context.model.body;
-  double share = thresholds::least_doubled;
+  double fraction = thresholds::least_doubled;
   if (body.samples) {
     const double of_tolerance = thresholds::least_of_surface * std::sqrt(context.request.tolerance / body.length);
-    share = std::clamp(of_tolerance, thresholds::least_doubled, thresholds::most_of_surface);
+    fraction = std::clamp(of_tolerance, thresholds::least_doubled, thresholds::most_of_surface);
   }
-  return share * limit;
+  return fraction * limit;
 }
 
 double turning_limit(const StepContext& context, const Points& x, const Points& v) {

@@ -27,10 +27,10 @@ constexpr double least_pressing = 1e-6;
 /// Two obstacles hold a body from two sides if the cosine of the angle between their normals is below this [1].
 constexpr double opposite = -0.5;
 /// Fraction of the speed of turning that counts in the speed of approach, because the next rebound may feel it [1].
-constexpr double turning_share = 0.3;
+constexpr double turning_fraction = 0.3;
 /// Fraction of the vibrations' velocity that the next rebound may feel if a sample of the surface strikes: the sample stops at once, and
 /// with it the mass that moves with it [1].
-constexpr double struck_share = 0.5;
+constexpr double struck_fraction = 0.5;
 /// Gap relative to the box up to which a ringing body counts as touching in the check for a fall [1]; logarithm of the largest growth.
 constexpr double snug = 1e-4, longest_growth = 20;
 
@@ -200,7 +200,7 @@ double kinetic_deformation(const Body& body, const State& state) {
 double approach_speed(const StepContext& context, const State& state, const RigidMotion& rigid, double radius) {
   const HalfSpace obstacle = nearest_obstacle(context, state).obstacle;
   const Vec3 velocity = rigid.velocity - obstacle.material_velocity(rigid.centre);
-  return std::abs(velocity.dot(obstacle.normal)) + use::turning_share * radius * (rigid.spin - obstacle.spin).norm() + standstill;
+  return std::abs(velocity.dot(obstacle.normal)) + use::turning_fraction * radius * (rigid.spin - obstacle.spin).norm() + standstill;
 }
 
 Outlook outlook(const StepContext& context, const State& state) {
@@ -246,8 +246,8 @@ void book_unknown_phase(const StepContext& context, const State& state, double e
   const RigidMotion rigid = rigid_motion(context.model.body.mass, state.x, state.v);
   const double error = std::max(known, use::least_error * context.request.tolerance);
   const double phase = std::min(1.0, frequency * error / approach_speed(context, state, rigid, radius_about(rigid.centre, state.x)));
-  const double share = context.model.body.samples ? use::struck_share : use::rebound_share;
-  const double added = share * std::sqrt(2 * energy / rigid.mass) * phase * outlook(context, state).along_plane;
+  const double fraction = context.model.body.samples ? use::struck_fraction : use::rebound_fraction;
+  const double added = fraction * std::sqrt(2 * energy / rigid.mass) * phase * outlook(context, state).along_plane;
   stiff.unknown = std::sqrt(power(stiff.unknown, 2) + power(added, 2));
 }
 

@@ -40,11 +40,11 @@ inline constexpr double doubled_work = 8;
 // called steps are in units of the largest stable explicit step.
 
 /// Fraction of the tolerance that the error of one window may take [1].
-inline constexpr double window_share = 0.3;
+inline constexpr double window_fraction = 0.3;
 /// Safety factor and smallest factor of the step after a window, or after a step at rest [1].
 inline constexpr double window_safety = 0.8, window_shrink = 0.1;
 /// Fraction of the vibrations' velocity that the next rebound may feel [1].
-inline constexpr double rebound_share = 0.1;
+inline constexpr double rebound_fraction = 0.1;
 /// Positions are taken to err by at least this fraction of the tolerance [1].
 inline constexpr double least_error = 0.1;
 /// Length of the first implicit step at rest, in steps. This step takes up what is left of velocities.
@@ -53,7 +53,7 @@ inline constexpr double settling_steps = 200;
 inline constexpr double rest_growth = 4, loss_shrink = 0.25;
 /// An implicit step with contact may take at least the first of these works. Where matrices are large, above 8^3 springs, so many matrices
 /// are more, and the step may take those, up to a fraction of what is left to the call [1].
-inline constexpr double least_implicit_work = 1e4, patient_matrices = 12, patient_share = 0.1;
+inline constexpr double least_implicit_work = 1e4, patient_matrices = 12, patient_fraction = 0.1;
 /// Number of returns from rest up to which each return makes the next listening twice as long.
 inline constexpr Count most_doubts = 4;
 

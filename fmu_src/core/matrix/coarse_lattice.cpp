@@ -21,12 +21,12 @@ struct Shape {
 };
 
 /// Restriction along one axis with `count` nodes: nodes = P^T points.
-void gather(const Shape& shape, int count, const int* cell, const double* share, const double* points, double* nodes) {
+void restrict_along(const Shape& shape, int count, const int* cell, const double* weight, const double* points, double* nodes) {
   std::fill_n(nodes, std::size_t(shape.outer) * count * shape.inner, 0.0);
   for (int o = 0; o < shape.outer; ++o, nodes += count * shape.inner)
     for (int i = 0; i < shape.n; ++i, points += shape.inner) {
       double *before = nodes + cell[i] * shape.inner, *after = before + shape.inner;
-      const double s = share[i], rest = 1 - s;
+      const double s = weight[i], rest = 1 - s;
       for (int j = 0; j < shape.inner; ++j) before[j] += rest * points[j];
       for (int j = 0; j < shape.inner; ++j) after[j] += s * points[j];
     }
@@ -34,11 +34,11 @@ void gather(const Shape& shape, int count, const int* cell, const double* share,
 
 /// Prolongation along one axis with `count` nodes: points = P nodes, or points += P nodes if `add`.
 template <bool add>
-void spread(const Shape& shape, int count, const int* cell, const double* share, const double* nodes, double* points) {
+void prolong_along(const Shape& shape, int count, const int* cell, const double* weight, const double* nodes, double* points) {
   for (int o = 0; o < shape.outer; ++o, nodes += count * shape.inner)
     for (int i = 0; i < shape.n; ++i, points += shape.inner) {
       const double *before = nodes + cell[i] * shape.inner, *after = before + shape.inner;
-      const double s = share[i], rest = 1 - s;
+      const double s = weight[i], rest = 1 - s;
       for (int j = 0; j < shape.inner; ++j) points[j] = (add ? points[j] : 0.0) + (rest * before[j] + s * after[j]);
     }
 }
@@ -67,7 +67,7 @@ CoarseLattice::CoarseLattice(const Lattice& fine)
     for (int i = 0, cell = 0; i < n; ++i) {
       if (cell + 1 < cells && place(cell + 1) <= i) ++cell;
       axes_[a].cell.push_back(cell);
-      axes_[a].share.push_back(double(i - place(cell)) / (place(cell + 1) - place(cell)));
+      axes_[a].weight.push_back(double(i - place(cell)) / (place(cell + 1) - place(cell)));
     }
   }
   weigh_points();
@@ -81,7 +81,7 @@ void CoarseLattice::weigh_points() {
         first_.push_back(int(weights_.size()));
         for (int corner = 0; corner < 8; ++corner) {
           const int a = corner & 1, b = corner >> 1 & 1, c = corner >> 2;
-          const auto part = [](const Axis& axis, int at, int side) { return side ? axis.share[at] : 1 - axis.share[at]; };
+          const auto part = [](const Axis& axis, int at, int side) { return side ? axis.weight[at] : 1 - axis.weight[at]; };
           const double value = part(x, i, a) * part(y, j, b) * part(z, k, c);
           const int at[] = {x.cell[i] + a, y.cell[j] + b, z.cell[k] + c};
           if (value > 0) weights_.push_back({coarse_.index(at[0], at[1], at[2]), code(at[0], at[1], at[2]), value});
@@ -129,15 +129,15 @@ void CoarseLattice::add_correction(const Points& r, Points& z) {
   const auto& m = coarse_.counts;
   const Shape along_z{1, n[2], n[0] * n[1]}, along_y{m[2], n[1], n[0]}, along_x{m[2] * m[1], n[0], 1};
   for (int a = 0; a < 3; ++a) {
-    gather(along_z, m[2], axes_[2].cell.data(), axes_[2].share.data(), r.col(a).data(), between_.data());
-    gather(along_y, m[1], axes_[1].cell.data(), axes_[1].share.data(), between_.data(), between_two_.data());
-    gather(along_x, m[0], axes_[0].cell.data(), axes_[0].share.data(), between_two_.data(), nodes_.col(a).data());
+    restrict_along(along_z, m[2], axes_[2].cell.data(), axes_[2].weight.data(), r.col(a).data(), between_.data());
+    restrict_along(along_y, m[1], axes_[1].cell.data(), axes_[1].weight.data(), between_.data(), between_two_.data());
+    restrict_along(along_x, m[0], axes_[0].cell.data(), axes_[0].weight.data(), between_two_.data(), nodes_.col(a).data());
   }
   matrix_.solve(nodes_);
   for (int a = 0; a < 3; ++a) {
-    spread<false>(along_x, m[0], axes_[0].cell.data(), axes_[0].share.data(), nodes_.col(a).data(), between_two_.data());
-    spread<false>(along_y, m[1], axes_[1].cell.data(), axes_[1].share.data(), between_two_.data(), between_.data());
-    spread<true>(along_z, m[2], axes_[2].cell.data(), axes_[2].share.data(), between_.data(), z.col(a).data());
+    prolong_along<false>(along_x, m[0], axes_[0].cell.data(), axes_[0].weight.data(), nodes_.col(a).data(), between_two_.data());
+    prolong_along<false>(along_y, m[1], axes_[1].cell.data(), axes_[1].weight.data(), between_two_.data(), between_.data());
+    prolong_along<true>(along_z, m[2], axes_[2].cell.data(), axes_[2].weight.data(), between_.data(), z.col(a).data());
   }
 }
 

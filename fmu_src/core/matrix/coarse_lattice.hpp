@@ -27,8 +27,8 @@ class CoarseLattice {
 
  private:
   struct Axis {
-    std::vector<int> cell;      ///< (fine points of the axis) node at or before each point, never the last node
-    std::vector<double> share;  ///< (fine points of the axis) weight of the node after it [1]
+    std::vector<int> cell;       ///< (fine points of the axis) node at or before each point, never the last node
+    std::vector<double> weight;  ///< (fine points of the axis) weight of the node after it [1]
   };
   struct Weight {
     int node, code;  ///< code: the difference between the codes of two neighbours is unique for each of the 27 directions

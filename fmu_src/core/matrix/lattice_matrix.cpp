@@ -6,7 +6,7 @@ namespace softffd {
 
 namespace {
 
-/// Of right sides that are solved for together, in single solutions.
+/// Work for right-hand sides that are solved for together, in units of a single solution.
 constexpr double work_together = 2;
 
 }  // namespace

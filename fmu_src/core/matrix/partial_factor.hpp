@@ -3,7 +3,7 @@
 ///      ( A11  .  )     A11 = L L',  B = A21 L'^-1,  S = A22 - B B'      A11 is positive definite.
 ///      ( A21 A22 )
 ///
-/// The loops are those of panels.hpp, with the same bits on every instruction set.
+/// The loops (panels.hpp) give the same bits on every instruction set.
 #pragma once
 #include <vector>
 
@@ -16,8 +16,8 @@ class PartialFactor {
   /// Entry (i, j) of the lower triangle, i >= j: of A before `factor`; afterwards, for i and j not among the first unknowns, of S.
   double& operator()(int i, int j) { return values_[at(j) * stride_ + at(i)]; }
   void factor();
-  /// Entry i of the right side. After `eliminate`, entries of other than the first unknowns are the right side of S. Before `substitute`
-  /// they have to be the solution of these; then `right` is the whole solution.
+  /// Entry i of the right-hand side. After `eliminate`, the entries of the other unknowns are the right-hand side for S. Before
+  /// `substitute`, they have to be the solution with S; afterwards, `right` is the whole solution.
   double& right(int i) { return right_[at(i)]; }
   void eliminate();
   void substitute();
@@ -25,7 +25,7 @@ class PartialFactor {
  private:
   int at(int i) const { return i < first_ ? i : i - first_ + own_; }
 
-  int first_ = 0, own_ = 0, rows_ = 0;  ///< unknowns to eliminate; the same, and all, rounded up to whole panels
+  int first_ = 0, own_ = 0, rows_ = 0;  ///< unknowns to eliminate; the same rounded up to whole panels; all, rounded up
   std::size_t stride_ = 0;
   std::vector<double> values_, inverse_, right_;  ///< by columns; 1 / diagonal of L
 };

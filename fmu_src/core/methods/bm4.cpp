@@ -12,8 +12,8 @@ namespace {
 // Blanes, Moan 2002, Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nystrom methods, J. Comput. Appl. Math. 142.
 constexpr double b1 = 0.0829844064174052, b2 = 0.396309801498368, b3 = -0.0390563049223486;
 constexpr double a1 = 0.245298957184271, a2 = 0.604872665711080;
-constexpr std::array<double, 4> kick_shares{b1, b2, b3, 1 - 2 * (b1 + b2 + b3)};
-constexpr std::array<double, 6> drift_shares{a1, a2, 0.5 - (a1 + a2), 0.5 - (a1 + a2), a2, a1};
+constexpr std::array<double, 4> kick_weights{b1, b2, b3, 1 - 2 * (b1 + b2 + b3)};
+constexpr std::array<double, 6> drift_weights{a1, a2, 0.5 - (a1 + a2), 0.5 - (a1 + a2), a2, a1};
 constexpr std::array<int, 7> order{0, 1, 2, 3, 2, 1, 0};
 
 struct Decay {
@@ -40,7 +40,7 @@ Decay decay(double z) {
 }  // namespace
 
 Bm4::Bm4(int points, int pins)
-    : kicks_(kick_shares.size(), KickCoefficients(points)),
+    : kicks_(kick_weights.size(), KickCoefficients(points)),
       half_kicks_(kicks_),
       outside_(points, 3),
       next_(points, 3),
@@ -55,7 +55,7 @@ void Bm4::prepare(const Body& body, double h) {
   version_ = body.version;
   for (int k = 0; k < 4; ++k) {
     for (int i = 0; i < body.inverse_mass.size(); ++i) {
-      const double tau = kick_shares[k] * h;
+      const double tau = kick_weights[k] * h;
       const Decay whole = decay(tau * body.damping_rate[i]), half = decay(0.5 * tau * body.damping_rate[i]);
       kicks_[k].a[i] = whole.e;
       kicks_[k].b[i] = tau * body.inverse_mass[i] * whole.mean;
@@ -71,7 +71,7 @@ void Bm4::kick(const Equations& equations, int k, double t, State& state) {
   const auto apply = [&](const KickCoefficients& c, Points& v) { c.apply(state.spring, force, v); };
   if (!ledger_.recording()) return apply(kicks_[k], state.v);
   equations.place_pins(t, state.x, state.v);  // damping also takes energy from the present motion of pinned points
-  const double tau = kick_shares[k] * h_;
+  const double tau = kick_weights[k] * h_;
   ledger_.stage(equations, tau, t, state.x, state.spring);
   ledger_.damp(equations, tau / 6, state.x, state.v);
   middle_ = state.v;
@@ -96,13 +96,13 @@ Outcome Bm4::advance(const Model& model, const Drive& drive, const Span& span, R
 void Bm4::glide(const Equations& equations, const Span& span, State& state) {
   const auto& [body, around] = equations;
   kicks_[order[0]].apply(state.spring, around.force, state.v);
-  kernels::drift(state.x.size(), drift_shares[0] * h_, state.x.data(), state.v.data(), next_.data());
+  kernels::drift(state.x.size(), drift_weights[0] * h_, state.x.data(), state.v.data(), next_.data());
   state.x.swap(next_);
-  const Count drifts = Count(drift_shares.size()), last = span.steps * drifts;
+  const Count drifts = Count(drift_weights.size()), last = span.steps * drifts;
   for (Count n = 1; n < last; ++n) {
     const int i = int(n % drifts);
     const Stage::Kick kick = kicks_[order[i]].kick();
-    body.fused()->advance({{kick, kick}, i == 0 ? 2 : 1, drift_shares[i] * h_, around.even}, around.force, state.x, state.v, next_);
+    body.fused()->advance({{kick, kick}, i == 0 ? 2 : 1, drift_weights[i] * h_, around.even}, around.force, state.x, state.v, next_);
     state.x.swap(next_);
   }
   body.internal_force(state.x, state.spring);
@@ -113,12 +113,12 @@ void Bm4::step(const Equations& equations, double t, double h, State& state, Exc
   ledger_.open(equations, equations.around.watch);
   const bool recording = ledger_.recording(), pins = !equations.around.pins.empty();
   if (recording) start_x_ = state.x, start_v_ = state.v;
-  double share = 0;
+  double weight = 0;
   kick(equations, order[0], t, state);
   for (int i = 0; i < 6; ++i) {
-    share += drift_shares[i];
-    const double at = i == 5 ? t + h : t + share * h;
-    kernels::drift(state.x.size(), drift_shares[i] * h, state.x.data(), state.v.data(), next_.data());
+    weight += drift_weights[i];
+    const double at = i == 5 ? t + h : t + weight * h;
+    kernels::drift(state.x.size(), drift_weights[i] * h, state.x.data(), state.v.data(), next_.data());
     state.x.swap(next_);
     if (pins) equations.place_pins(at, state.x);
     equations.body.internal_force(state.x, state.spring);

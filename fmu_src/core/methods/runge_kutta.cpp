@@ -75,10 +75,10 @@ void RungeKutta::evaluate(const Step& step, int stage) {
 }
 
 void RungeKutta::record(const Step& step, int stage, double at, const Points& position, const Points& inner) {
-  const double share = tableau_.b.velocities[stage];
-  if (!ledger.recording() || share == 0) return;
-  ledger.stage(step.equations, step.h * share, at, position, inner);
-  if (!tableau_.nystroem) ledger.damp(step.equations, step.h * share, position, v_[stage]);
+  const double weight = tableau_.b.velocities[stage];
+  if (!ledger.recording() || weight == 0) return;
+  ledger.stage(step.equations, step.h * weight, at, position, inner);
+  if (!tableau_.nystroem) ledger.damp(step.equations, step.h * weight, position, v_[stage]);
 }
 
 /// out = base + the displacement by the first `count` stages with the weights w. ahead: time for which the velocity at the start acts, in

@@ -35,7 +35,7 @@ constexpr std::array<Traits, method_count> rows{{
 }};
 
 /// Largest product of step and damping rate if velocities are carried on for the dashpots; stability allows 1 [1].
-constexpr double stable_share = 0.8;
+constexpr double stable_fraction = 0.8;
 
 constexpr bool in_order() {
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -56,7 +56,7 @@ bool takes_solid(Method method, const Lattice& lattice) {
 /// how time is divided, but it would if a step handed velocities on to the next.
 double longest_carried(const Drive& around, const Run& run) {
   const bool known = run.control.bound >= 0, counted = run.physical.clock.unit > 0;
-  return known && !counted && around.planes.empty() ? stable_share / run.control.damping_bound : 0;
+  return known && !counted && around.planes.empty() ? stable_fraction / run.control.damping_bound : 0;
 }
 
 bool carries_velocities(const Drive& around, const Run& run, double h) { return h <= (1 + 1e-9) * longest_carried(around, run); }

@@ -42,8 +42,8 @@ Points rest_positions(const Lattice& lattice) {
   for (int k = 0; k < n[2]; ++k)
     for (int j = 0; j < n[1]; ++j)
       for (int i = 0; i < n[0]; ++i) {
-        const Vec3 share(place(i, 0), place(j, 1), place(k, 2));
-        set_row(rest, lattice.index(i, j, k), lattice.origin + lattice.size.cwiseProduct(share));
+        const Vec3 fraction(place(i, 0), place(j, 1), place(k, 2));
+        set_row(rest, lattice.index(i, j, k), lattice.origin + lattice.size.cwiseProduct(fraction));
       }
   return rest;
 }

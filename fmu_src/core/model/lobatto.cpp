@@ -63,7 +63,7 @@ Scalars interpolation(double t, int n) {
   return all;
 }
 
-Scalars volume_shares(const Lattice& lattice) {
+Scalars volume_fractions(const Lattice& lattice) {
   std::array<Scalars, 3> axis;
   for (int a = 0; a < 3; ++a) {
     axis[a] = Scalars::Zero(lattice.counts[a]);
@@ -71,11 +71,11 @@ Scalars volume_shares(const Lattice& lattice) {
     for (int patch = 0; patch < count; ++patch)
       for (int i = 0; i < nodes; ++i) axis[a][3 * patch + i] += weights[i] / count;
   }
-  Scalars shares(lattice.points());
+  Scalars fractions(lattice.points());
   for (int k = 0; k < lattice.counts[2]; ++k)
     for (int j = 0; j < lattice.counts[1]; ++j)
-      for (int i = 0; i < lattice.counts[0]; ++i) shares[lattice.index(i, j, k)] = axis[0][i] * axis[1][j] * axis[2][k];
-  return shares;
+      for (int i = 0; i < lattice.counts[0]; ++i) fractions[lattice.index(i, j, k)] = axis[0][i] * axis[1][j] * axis[2][k];
+  return fractions;
 }
 
 void to_control_points(const Lattice& lattice, double* values) {

@@ -38,7 +38,7 @@ double place(int i, int n);
 /// Returns the weights (n) of the nodes at t, from 0 to 1: Lagrange polynomials of the patch. They sum to one and reproduce positions.
 Scalars interpolation(double t, int n);
 /// Returns the fraction of the box's volume that each node stands for, (points). The fractions sum to one.
-Scalars volume_shares(const Lattice& lattice);
+Scalars volume_fractions(const Lattice& lattice);
 
 /// q = A^-1 y along each axis, in place, for one number per node, (points).
 void to_control_points(const Lattice& lattice, double* values);

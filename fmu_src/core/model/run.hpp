@@ -210,7 +210,7 @@ struct DampedRecord {
   double h = 0;               ///< next step wanted [s]; 0: none yet
   Count trust = 0;            ///< steps that may be run once
   Count next_trust = 1;       ///< value of `trust` after the next success
-  double share = 1;           ///< ratio of a step's error to the bend of its velocities, as of the last step that was run twice [1]
+  double error_per_bend = 1;  ///< ratio of a step's error to the bend of its velocities, as of the last step that was run twice [1]
   double lasting = 1;         ///< fraction of that error that lasts [1]
   double fades = 0;           ///< time in which the rest fades if no pin holds the body [s]; 0: it does not fade
   Count constraints = 0;      ///< number of contact constraints at the end of the last step
@@ -222,8 +222,8 @@ struct DampedRecord {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.trust, s.next_trust, s.share, s.lasting, s.fades, s.constraints, s.doubts, s.rate, s.explicit_until, s.force,
-                  s.opening);
+    return fields(s.h, s.trust, s.next_trust, s.error_per_bend, s.lasting, s.fades, s.constraints, s.doubts, s.rate, s.explicit_until,
+                  s.force, s.opening);
   }
 };
 static_assert(visits_every_field<DampedRecord>);

@@ -21,11 +21,12 @@ constexpr double damped_runs = 2;
 /// First step, and time of explicit steps before implicit ones are tried again, in the shortest that pay; how often that time may double.
 constexpr double first_damped = 2, damped_turn = 2;
 constexpr Count most_damped_doubts = 6;
-/// The errors of all steps may take damped_sum of the tolerance [1]. One step may take damped_share of what is left of that, or damped_rate
-/// of the tolerance times the ratio of its length to the time that errors are remembered for, whichever is more; damped_most of it at most.
-constexpr double damped_sum = 0.5, damped_share = 0.2, damped_rate = 1, damped_most = 0.3;
+/// The errors of all steps may take damped_sum of the tolerance [1]. One step may take damped_fraction of what is left of that, or
+/// damped_rate of the tolerance times the ratio of its length to the time that errors are remembered for, whichever is more; damped_most of
+/// it at most.
+constexpr double damped_sum = 0.5, damped_fraction = 0.2, damped_rate = 1, damped_most = 0.3;
 /// Allowed error of a communication step's mean force, relative to the largest force or to what moves a point by the tolerance [1].
-constexpr double force_share = 0.008, moving_force = 0.01;
+constexpr double force_fraction = 0.008, moving_force = 0.01;
 /// Error where a constraint changes, relative to the difference of the forces of two runs [1]: both runs step over the same moment and may
 /// err alike. Measured on a pad with prescribed motion to and fro: mean forces off by 1.6 % of the largest with 1, by 0.3 % with 3, in as
 /// many steps.
@@ -36,7 +37,7 @@ constexpr double passed_over = 10;
 constexpr double opening_growth = 2;
 /// Ratio of a step's error to the bend of its velocities [1]: its least value, its growth since the last step that was run twice up to
 /// which the next steps are run once, and a factor for safety. Largest number of steps that are run once.
-constexpr double least_share = 0.02, shares_alike = 2, share_safety = 1.5;
+constexpr double least_fraction = 0.02, ratios_alike = 2, ratio_safety = 1.5;
 constexpr Count longest_damped_trust = 32;
 /// A step whose error is at most this fraction of the allowed error does not lower that ratio: error and bend are what solutions leave [1].
 constexpr double slight_error = 0.01;
@@ -101,7 +102,7 @@ struct DampedSteps::Call {
     const double rounding = use::rounding * std::max(context.model.body.length, kernels::largest(context.run.physical.motion.x.size(),
                                                                                                  context.run.physical.motion.x.data()));
     const double spent = (context.run.physical.damped_error + context.run.physical.damped_fading) / context.request.tolerance;
-    const double of_rest = use::damped_share * std::max(0.0, use::damped_sum - spent);
+    const double of_rest = use::damped_fraction * std::max(0.0, use::damped_sum - spent);
     return std::max(rounding, std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory)) * tolerance());
   }
 };
@@ -227,7 +228,7 @@ DampedSteps::Forces DampedSteps::compare_forces(const Call& call) const {
   compare(begin.pins, one.pins, other.pins);
   const double of_tolerance =
       power(bound(call.context), 2) * call.context.model.body.mass.minCoeff() * use::moving_force * call.tolerance();
-  return {difference / ((call.end - call.begin) * std::max(use::force_share * largest, of_tolerance)), largest};
+  return {difference / ((call.end - call.begin) * std::max(use::force_fraction * largest, of_tolerance)), largest};
 }
 
 /// Takes a step to `until`. The step is run once if its error is small enough, by the bend of its velocities and the last step that was run
@@ -239,7 +240,8 @@ StepStatus DampedSteps::step(const Call& call, double until) {
   Snapshot snapshot(run.physical, start_);
   const Step coarse = take(call, until);
   if (record.trust > 0) {
-    const double bent = record.share * coarse.bend, beside = passed_over(call, h, coarse.lost) + coarse.rigid, error = bent + beside;
+    const double bent = record.error_per_bend * coarse.bend, beside = passed_over(call, h, coarse.lost) + coarse.rigid,
+                 error = bent + beside;
     if (coarse.status == StepStatus::ok && !coarse.turned && error <= allowed) {
       --record.trust;
       book(call, h, error, record.lasting * bent + beside);
@@ -317,11 +319,11 @@ void DampedSteps::accept(const Call& call, double h, double allowed, double bend
   record.constraints = judged.constraints;
   record.doubts = 0;
   record.force = judged.force;
-  const double of_coarse = (judged.steady ? 4 : 2) * std::max(0.0, judged.ratio * allowed - judged.over), least = use::least_share;
-  const double share = bend > 0 && bend < infinity ? std::max(of_coarse / bend, least) : least;
-  const bool slight = judged.steady && judged.ratio <= use::slight_error && record.share > 0;
-  const bool known = bend < infinity && (slight || share <= use::shares_alike * record.share);
-  if (!slight || share > record.share) record.share = use::share_safety * share;
+  const double of_coarse = (judged.steady ? 4 : 2) * std::max(0.0, judged.ratio * allowed - judged.over), least = use::least_fraction;
+  const double per_bend = bend > 0 && bend < infinity ? std::max(of_coarse / bend, least) : least;
+  const bool slight = judged.steady && judged.ratio <= use::slight_error && record.error_per_bend > 0;
+  const bool known = bend < infinity && (slight || per_bend <= use::ratios_alike * record.error_per_bend);
+  if (!slight || per_bend > record.error_per_bend) record.error_per_bend = use::ratio_safety * per_bend;
   record.lasting = judged.error > 0 ? judged.lasting / judged.error : 1;
   record.fades = judged.fades;
   record.trust = known ? record.next_trust : 0;

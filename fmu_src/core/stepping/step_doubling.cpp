@@ -49,7 +49,7 @@ namespace use = thresholds;
 
 /// Multiple of the tolerance that the summed errors of sub-intervals may take by forecast. rattles: in the sub-interval vertices strike
 /// after a landing, or come and go as those of a damped body do.
-double forecast_share(const Body& body, bool rattles) {
+double forecast_factor(const Body& body, bool rattles) {
   if (rattles) return use::rattling_tolerance;
   return body.samples ? use::surface_tolerance : body.dashpots() ? use::damped_tolerance : use::forecast_tolerance;
 }
@@ -186,7 +186,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const bool strikes = impact && body.samples, follows = control.neighbour.follows;
     const bool lands = strikes && !follows && off_obstacles(body, context.drive, begin, start_.motion.x, touching * body.length);
     const bool rattles = (strikes && !lands) || (body.samples && follows && body.dashpots());
-    const double allowed = forecast_share(body, rattles) * context.request.tolerance * power(context.request.step_factor, 2);
+    const double allowed = forecast_factor(body, rattles) * context.request.tolerance * power(context.request.step_factor, 2);
     const double stretch_time = double(steps) * part, of_difference = strikes || rattles ? 1 : 1.0 / 3;  // error of the finer run
     const FinalError leaves =
         final_error(context, coarse_, physical.motion, outlook(context, physical.motion), rattles ? stretch_time : 0).times(of_difference);

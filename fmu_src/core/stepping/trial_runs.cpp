@@ -22,7 +22,7 @@ constexpr int trial_rounds = 1, trial_rounds_bm4 = 2, trial_rounds_left = 3;
 /// tenth at most, and less while the winner stays.
 constexpr double trial_pause = 10, longest_trial_pause = 160, trial_pause_after_jolt = 3;
 /// Work that a trial of implicit steps may take; fraction of the work of explicit steps in the rest of the run for its matrices [1].
-constexpr double longest_trial = 20'000, trial_share = 0.1;
+constexpr double longest_trial = 20'000, trial_fraction = 0.1;
 /// Number of implicit steps in the place of one, by which it is seen that the fastest mode creeps.
 constexpr Count creep_parts = 16;
 /// Vibrations whose time scale is above this many implicit steps are resolved by the error control of these steps [1]. By experience.
@@ -104,7 +104,7 @@ void TrialRuns::try_implicit(Integrators& integrators, const StepContext& contex
   candidates.implicit = implicit_method(!context.drive.pins.empty(), H * bound(context), turning_limit(context, motion.x, motion.v) < H);
   const double step_work = integrators.implicit_work().step;
   const double matrices = (1 + double(creeps(context) ? use::creep_parts : 1)) * integrators.implicit_work().factor;
-  if (matrices > use::trial_share * others * left_of_run(context) / H) return;
+  if (matrices > use::trial_fraction * others * left_of_run(context) / H) return;
   if (!implicit_may_win(H / step_limit(context, candidates.implicit, false) * step_work, others)) return;
   const double shortest = H * step_work / (use::implicit_gain * others);  // the step that would still pay
   if (too_loud(present_vibration(context.equations(), motion, context.model.time_scale, use::resolved * shortest),

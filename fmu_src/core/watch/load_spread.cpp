@@ -23,7 +23,7 @@ void complete(const Scalars& weight, const Vec3& missing, Points& forces) {
 
 }  // namespace
 
-void SharedLoad::take(const std::vector<Touch>& touches) {
+void DistributedLoad::take(const std::vector<Touch>& touches) {
   const int count = int(touches.size());
   samples.resize(count);
   touching.resize(count);
@@ -41,17 +41,17 @@ void SharedLoad::take(const std::vector<Touch>& touches) {
   }
 }
 
-void LoadSpread::share(SharedLoad& load) {
+void LoadSpread::distribute(DistributedLoad& load) {
   if (load.count() < 2 || !(load.along.sum() > 0) || !(load.area.minCoeff() > 0)) return;
   Vec3 sum = Vec3::Zero();
   for (int t = 0; t < load.count(); ++t) sum += load.force(t);
-  share_touching(load);
+  distribute_touching(load);
   smooth(load);
   for (int t = 0; t < load.count(); ++t) sum -= load.force(t);
   complete(load.along, sum, load.across);
 }
 
-void LoadSpread::share_touching(SharedLoad& load) {
+void LoadSpread::distribute_touching(DistributedLoad& load) {
   chosen_.clear();
   std::vector<int> samples;
   for (int t = 0; t < load.count(); ++t)
@@ -130,7 +130,7 @@ bool LoadSpread::across(const Scalars& weight, Points& forces) {
 }
 
 /// Finds the nodes of both grids around the rest place of each sample, and their weights.
-void LoadSpread::find_hats(const SharedLoad& load) {
+void LoadSpread::find_hats(const DistributedLoad& load) {
   const Lattice& lattice = samples_.lattice();
   hats_.resize(load.count());
   std::array<int, 3> intervals, sides;
@@ -172,7 +172,7 @@ Values LoadSpread::times(const Values& values) const {
   return sums;
 }
 
-void LoadSpread::smooth(SharedLoad& load) {
+void LoadSpread::smooth(DistributedLoad& load) {
   find_hats(load);
   Scalars balance = times(load.area).sqrt().inverse();
   for (int round = 0; round < balance_rounds; ++round) balance = (balance / times<Scalars>(load.area * balance)).sqrt();

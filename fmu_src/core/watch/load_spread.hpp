@@ -35,7 +35,7 @@ struct Touch {
 };
 
 /// The touches as arrays, one row each, with the force split into the part along the normal, >= 0, and the part across.
-struct SharedLoad {
+struct DistributedLoad {
   std::vector<int> samples;
   std::vector<char> touching;
   Scalars area;
@@ -52,18 +52,18 @@ class LoadSpread {
  public:
   explicit LoadSpread(const Samples& samples) : samples_(samples) {}
   /// Distributes the load. The sum of all forces is kept to rounding.
-  void share(SharedLoad& load);
+  void distribute(DistributedLoad& load);
 
  private:
-  void share_touching(SharedLoad& load);
+  void distribute_touching(DistributedLoad& load);
   void find_fields();
   void factor(const Scalars& weight);
   bool along(const Scalars& area, Scalars& forces);
   bool across(const Scalars& weight, Points& forces);
-  void find_hats(const SharedLoad& load);
+  void find_hats(const DistributedLoad& load);
   template <class Values>
   Values times(const Values& values) const;
-  void smooth(SharedLoad& load);
+  void smooth(DistributedLoad& load);
 
   struct Hats {
     std::array<int, 16> node;

@@ -10,13 +10,13 @@ namespace softffd {
 
 struct Patch {
   /// Fraction of the force on a place that counts for a taxel.
-  struct Share {
+  struct Fraction {
     int place, taxel;
-    double share;
+    double fraction;
   };
   std::vector<int> places;
-  std::vector<double> weights;  ///< of the places for the centre of the patch: areas of the patch around them, at rest [m2]
-  std::vector<Share> shares;    ///< the fractions of a place sum to 1; empty without taxels
+  std::vector<double> weights;      ///< of the places for the centre of the patch: areas of the patch around them, at rest [m2]
+  std::vector<Fraction> fractions;  ///< the fractions of a place sum to 1; empty without taxels
   std::array<int, 2> taxels{0, 0};
   int taxel_count() const { return taxels[0] * taxels[1]; }
 };

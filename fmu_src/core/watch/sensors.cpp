@@ -72,7 +72,7 @@ void Sensors::read(const Drive& drive, double within, Run& run) {
     const Points& impulses = run.physical.exchange.touched[q];
     if (impulses.isZero(0)) continue;
     meet(drive.planes[q], within, impulses, run.physical.motion);
-    if (spread_) spread_->share(load_);
+    if (spread_) spread_->distribute(load_);
     const Scalars pressure = (load_.area > 0).select(load_.along / load_.area, 0.0);
     const double faint = pressed_part * pressure.maxCoeff();
     for (int t = 0; t < load_.count(); ++t) {
@@ -106,7 +106,7 @@ void Sensors::show(const Patch& patch, const Run& run, SensorReading& reading) c
     pressing += once * pressing_[at];
     reading.peak = std::max(reading.peak, once * largest_[at]);
   }
-  for (const auto& [at, taxel, share] : patch.shares) taxels.row(taxel) += share * once * force_.row(at);
+  for (const auto& [at, taxel, fraction] : patch.fractions) taxels.row(taxel) += fraction * once * force_.row(at);
   if (reading.area > 0) reading.pressure = pressing / reading.area;
   reading.taxels = std::move(taxels);
 }

@@ -30,7 +30,7 @@ class Sensors {
   Points rest_;                       ///< control points at rest [m]
   std::optional<LoadSpread> spread_;  ///< set if samples meet obstacles
   std::vector<Touch> touches_;        ///< impulses of one obstacle [N s]
-  SharedLoad load_;
+  DistributedLoad load_;
   // for each place, over all obstacles:
   Points force_;                       ///< impulse [N s]
   Scalars pressing_, area_, largest_;  ///< impulse along the normals [N s]; area that counts [m2]; largest impulse per area [N s / m2]

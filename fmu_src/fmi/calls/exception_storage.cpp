@@ -4,7 +4,7 @@
 namespace __cxxabiv1 {
 
 struct __cxa_eh_globals;
-/// Itanium C++ ABI: Exception Handling, 2.2.2. Declared here, because LLVM's library has it without saying so in its header.
+/// Itanium C++ ABI: Exception Handling, 2.2.2. Declared here, because LLVM's library defines it but does not declare it in its header.
 extern "C" __cxa_eh_globals* __cxa_get_globals() noexcept;
 
 }  // namespace __cxxabiv1
@@ -15,7 +15,7 @@ namespace softffd::fmi {
 #ifdef __ELF__
 namespace {
 
-thread_local volatile char described = 0;  // CMakeLists.txt compiles accesses as TLSDESC
+thread_local volatile char described = 0;  // CMakeLists.txt makes the compiler access it by TLSDESC
 
 }  // namespace
 #endif
@@ -25,7 +25,7 @@ void claim_exception_storage() {
   described = 1;
 #endif
 #ifndef _MSC_VER
-  [[maybe_unused]] const void* volatile claimed = __cxxabiv1::__cxa_get_globals();  // volatile: called for what it does
+  [[maybe_unused]] const void* volatile claimed = __cxxabiv1::__cxa_get_globals();  // volatile: the call is made for its effect
 #endif
 }
 

@@ -1,15 +1,16 @@
-/// An exception needs no memory to be thrown, but a few bytes of the thread, and a library that is loaded at run time gets those when a
-/// thread first asks for them: from malloc. Where there is no memory left glibc ends the process then.
+/// Thread-local storage for exceptions. Throwing an exception needs no memory except a few thread-local bytes. A library that is loaded at
+/// run time gets these bytes from malloc when a thread first accesses them. If no memory is left, glibc then ends the process.
 ///
-///      R_X86_64_TLSDESC     asks glibc to give the library its bytes of every thread, past and future ones, when it is loaded, and
-///                           passes over that where there is no room for them (`initial-exec` would refuse to load)
+///      R_X86_64_TLSDESC     asks glibc to allocate the library's bytes in every thread, existing and future, when the library is loaded;
+///                           glibc does not do so if there is no room for them (`initial-exec` would refuse to load the library)
 ///
-/// One such access moves all of the library's bytes, those of the C++ runtime among them. On ARM it is how every access is compiled.
+/// One such access is enough for all thread-local bytes of the library, including those of the C++ runtime. On ARM, every access is
+/// compiled in this way.
 #pragma once
 
 namespace softffd::fmi {
 
-/// Claims the calling thread's bytes, should they have found no room.
+/// Claims the bytes of the calling thread, in case there was no room for them when the library was loaded.
 void claim_exception_storage();
 
 }  // namespace softffd::fmi

@@ -1,7 +1,8 @@
-/// The floating-point environment that the core's results assume, for the duration of a call: rounding to nearest, denormals kept, no
-/// traps. What the host had is restored at the end.
+/// Sets the floating-point environment that the core assumes for the duration of a call: rounding to nearest, denormals kept, no traps.
+/// The environment of the host is restored at the end.
 ///
-/// Most hosts have just that. On x86-64 it is then not set: storing and loading all of it takes as long as reading a hundred outputs.
+/// Most hosts have this environment already. On x86-64 it is then left alone, because saving and loading all of it takes as long as reading
+/// a hundred outputs.
 #pragma once
 #include <cfenv>
 
@@ -42,7 +43,7 @@ class FloatEnvironment {
     __asm__ volatile("fnstsw %0" : "=m"(word));
     return word & flags;
   }
-  /// The core leaves the x87 unit alone; what the C library may have raised there is taken back.
+  /// Clears the flags that the C library may have raised in the x87 unit, which the core does not use, and restores the SSE register.
   void give_back_flags() const {
     if (const int raised = flags87() & ~flags87_) std::feclearexcept(raised);
     _mm_setcsr(control_);

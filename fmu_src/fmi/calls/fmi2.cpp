@@ -1,5 +1,5 @@
-/// The functions of FMI 2.0 for Co-Simulation that make, start, step, ask and free instances. fmi2_values.cpp and fmi2_states.cpp have
-/// the others; what lies behind all of them is in Instance.
+/// The functions of FMI 2.0 for Co-Simulation that create, start, step, query and free instances. The other functions are in
+/// fmi2_values.cpp and fmi2_states.cpp. Instance implements what all of them do.
 extern "C" {
 #include "fmi2Functions.h"
 }
@@ -114,7 +114,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component component, const fmi2StatusKind, f
 fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean* value) {
   return guarded(component, function::get_boolean_status, {{value}}, [&](Instance&) {
     if (kind != fmi2Terminated) return fmi2Discard;
-    *value = fmi2False;  // the component never asks to end the simulation
+    *value = fmi2False;  // the component never requests the end of the simulation
     return fmi2OK;
   });
 }

@@ -1,4 +1,4 @@
-/// FMI 2.0's side of the guard: its instances, and what it lets a host call when.
+/// The part of the guard for FMI 2.0: its instances, and the states in which a host may call each function.
 #pragma once
 #include "calls/guard.hpp"
 
@@ -11,7 +11,7 @@ fmi2Status guarded(fmi2Component component, const Function& function, const Arra
   return guarded(instances, component, function, arrays, std::forward<Call>(call));
 }
 
-/// What the standard lets a host call in which state (FMI 2.0.4, section 4.2.4).
+/// The states in which the standard lets a host call each function (FMI 2.0.4, section 4.2.4).
 namespace function {
 
 inline constexpr Function set_debug_logging{"fmi2SetDebugLogging", any_phase};

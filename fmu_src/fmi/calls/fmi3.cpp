@@ -1,5 +1,5 @@
-/// The functions of FMI 3.0 for Co-Simulation that make, start, step and free instances. fmi3_values.cpp and fmi3_states.cpp have the
-/// others, and fmi3_absent.cpp those that there is nothing behind.
+/// The functions of FMI 3.0 for Co-Simulation that create, start, step and free instances. The other functions are in fmi3_values.cpp and
+/// fmi3_states.cpp, and the functions that are not implemented are in fmi3_absent.cpp.
 extern "C" {
 #include "fmi3Functions.h"
 }
@@ -98,7 +98,7 @@ fmi3Status fmi3DoStep(fmi3Instance handle, fmi3Float64 time, fmi3Float64 step, f
     *last_successful_time = instance.last_successful_time();
     const fmi2Status status = named(function3::do_step, [&] { return instance.do_step(time, step); });
     *last_successful_time = instance.last_successful_time();
-    if (status == fmi2Discard) instance.phase = stepping;  // a discarded step has no state of its own here: it may be tried again
+    if (status == fmi2Discard) instance.phase = stepping;  // FMI 3.0 has no state for a discarded step: the step may be repeated
     return status;
   });
 }

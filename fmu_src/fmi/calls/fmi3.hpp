@@ -1,4 +1,4 @@
-/// FMI 3.0's side of the guard: its instances, and what it lets a host call when.
+/// The part of the guard for FMI 3.0: its instances, and the states in which a host may call each function.
 #pragma once
 #include "calls/guard.hpp"
 #include "instance/array_instance.hpp"
@@ -15,7 +15,8 @@ fmi3Status guarded3(fmi3Instance instance, const Function& function, const Array
   return fmi3Status(guarded(array_instances, instance, function, arrays, std::forward<Call>(call)));
 }
 
-/// What the standard lets a host call in which state (FMI 3.0.2, sections 2.3 and 4.2). After an error it may look, save and reset.
+/// The states in which the standard lets a host call each function (FMI 3.0.2, sections 2.3 and 4.2). After an error a host may read values,
+/// save the state and reset.
 namespace function3 {
 
 inline constexpr unsigned any_phase = function::any_phase, settable = function::settable;

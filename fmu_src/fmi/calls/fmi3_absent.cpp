@@ -1,5 +1,5 @@
-/// The functions of FMI 3.0 that there is nothing behind: model exchange and scheduled execution, events and clocks, structural
-/// parameters, dependencies of single elements, partial derivatives. modelDescription.xml claims none of them.
+/// The functions of FMI 3.0 that are not implemented: model exchange and scheduled execution, events and clocks, structural parameters,
+/// dependencies of single elements, partial derivatives. modelDescription.xml claims none of them.
 extern "C" {
 #include "fmi3Functions.h"
 }

@@ -35,7 +35,7 @@ fmi2Status refused(Instance& instance, const Function& function) {
   } catch (const CallError& error) {
     instance.phase = failed;
     say(error.what());
-  } catch (const StateError& error) {  // foreign bytes: the instance is as it was
+  } catch (const StateError& error) {  // the bytes are not a valid state: the instance is unchanged
     say(std::string(function.name) + ": " + error.what());
   } catch (const std::exception& error) {
     instance.phase = failed;

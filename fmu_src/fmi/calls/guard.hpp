@@ -1,5 +1,5 @@
-/// The one way into an instance, for every function of both standards: floating-point environment, live handle, the standard's table of
-/// states, null pointers, exceptions; in this order. fmi2.hpp and fmi3.hpp have the tables.
+/// The guard through which every function of both standards accesses an instance. It handles, in this order: floating-point environment,
+/// live handle, the standard's table of allowed states, null pointers, exceptions. The tables are in fmi2.hpp and fmi3.hpp.
 #pragma once
 #include <initializer_list>
 #include <string>
@@ -12,13 +12,13 @@
 
 namespace softffd::fmi {
 
-/// A function as messages call it, and the states in which it may be called.
+/// A function: its name in messages, and the states in which it may be called.
 struct Function {
   const char* name;
   unsigned allowed;
 };
 
-/// States of which both tables are made.
+/// Sets of states that both tables use.
 namespace function {
 
 inline constexpr unsigned after_start = initializing | stepping | step_failed | terminated | failed;
@@ -28,19 +28,19 @@ inline constexpr unsigned after_steps = stepping | step_failed | terminated;
 
 }  // namespace function
 
-/// Arrays of one length that a host hands over: none may be null where there is anything to read or write.
+/// Arrays of the same length that a host passes. None may be null if `count` > 0.
 struct Arrays {
   std::initializer_list<const void*> pointers{};
   std::size_t count = 1;
 };
 
-/// Both throw CallError.
+/// Check that the function is allowed in this phase, and that no array is null. Both throw CallError.
 void check_phase(Phase phase, const Function& function);
 void check_arrays(const Function& function, const Arrays& arrays);
-/// The host's answer to an exception; it is that which is being handled.
+/// Logs the exception that is being handled and returns fmi2Error. The instance enters the error state, except after a StateError.
 fmi2Status refused(Instance& instance, const Function& function);
 
-/// Calls call(), and has the message of what the host got wrong begin with the function's name.
+/// Calls call(). If it throws CallError, the function's name is put in front of the message.
 template <class Call>
 auto named(const Function& function, Call&& call) {
   try {
@@ -50,7 +50,8 @@ auto named(const Function& function, Call&& call) {
   }
 }
 
-/// Calls call(Held&), whose status, if it has one, is the host's; what it throws becomes fmi2Error with a message. Held: an Instance.
+/// Calls call(Held&) and returns its status, or fmi2OK if it returns void. An exception becomes fmi2Error with a message. Held: Instance or
+/// a class derived from it.
 template <class Held, class Call>
 fmi2Status guarded(Registry<Held>& registry, const void* handle, const Function& function, const Arrays& arrays, Call&& call) noexcept {
   const FloatEnvironment environment;
@@ -69,7 +70,7 @@ fmi2Status guarded(Registry<Held>& registry, const void* handle, const Function&
     } catch (...) {
       return refused(*instance, function);
     }
-  } catch (...) {  // no memory for the message either
+  } catch (...) {  // there is no memory even for the message
   }
   return fmi2Error;
 }

@@ -6,7 +6,7 @@ namespace {
 
 using softffd::fmi::ManySteps;
 
-/// The first of the calls of a step that does not go well ends it.
+/// Sets the inputs, takes the step and reads the outputs. The first call that discards or fails ends the step. Returns its status.
 fmi2Status one_step(const ManySteps& run, long long row) {
   const auto& inputs = run.inputs;
   const auto& reals = run.reals;

@@ -1,5 +1,5 @@
-/// Communication steps of a component one after the other, for the Python package: what a host's loop calls, without a host between the
-/// calls. It calls the standard's functions alone, of whichever library they are.
+/// Takes many communication steps of a component one after the other, for the Python package: a host's loop without a host between the
+/// calls. It calls only the functions of the standard, from any library.
 #pragma once
 #include <cstddef>
 
@@ -9,13 +9,13 @@
 
 namespace softffd::fmi {
 
-/// Some variables at all communication points.
+/// Variables and their values at all communication points.
 template <class Value, class Row>
 struct Recorded {
   std::size_t count;
   const fmi2ValueReference* references;
-  Value* values;  ///< (count): handed to the component
-  Row* rows;      ///< (steps + 1, count)
+  Value* values;  ///< (count) array that is passed to the component
+  Row* rows;      ///< (steps + 1, count) recorded values, or given ones for inputs
 };
 
 struct ManySteps {
@@ -24,15 +24,15 @@ struct ManySteps {
   fmi2GetRealTYPE* get_real;
   fmi2GetIntegerTYPE* get_integer;
   fmi2DoStepTYPE* do_step;
-  const double* times;  ///< (steps + 1) [s]
-  const double* steps;  ///< (steps) [s]
+  const double* times;  ///< (steps + 1) communication points [s]
+  const double* steps;  ///< (steps) step lengths [s]
   Recorded<fmi2Real, double> inputs, reals;
   Recorded<fmi2Integer, long long> integers;
-  long long done;  ///< steps that are done and recorded: true also for a logger that is called meanwhile
+  long long done;  ///< number of steps done and recorded; up to date also for a logger called during a step
 };
 
 }  // namespace softffd::fmi
 
-/// Goes on until `until` steps are done. Inputs are set before each step but the first, whose are set already. Returns the status of the
-/// call that discarded or failed, where `done` stays at the step before, else fmi2OK.
+/// Continues until `until` steps are done. Inputs are set before each step except the first, whose inputs are set already. Returns fmi2OK, or
+/// the status of the call that discarded or failed; `done` then does not count that step.
 SOFTFFD_EXPORTED int softffd_many_steps(softffd::fmi::ManySteps* run, long long until);

@@ -1,4 +1,4 @@
-/// From what a host asks for to a new instance, as both standards have it.
+/// Creates a new instance from the arguments of a host, for both standards.
 #pragma once
 #include "calls/exception_storage.hpp"
 #include "calls/float_environment.hpp"
@@ -7,21 +7,22 @@
 
 namespace softffd::fmi {
 
-/// What a standard calls the arguments, for messages, and what the host gave for them.
+/// The arguments that the host passed, and the standard's name of the token for messages.
 struct Asked {
-  const char* name;        ///< the instance's
+  const char* name;        ///< of the instance
   const char* token_word;  ///< "fmuGUID" or "instantiationToken"
   const char* token;
 };
 
-/// The scene, if it is that of the token. Throws CallError.
+/// Returns the scene if its GUID is the token. Throws CallError otherwise.
 SceneFile required(SceneFile scene, const Asked& asked);
-/// The same of the one in a resources folder [UTF-8]. Throws SceneFileError too.
+/// Does the same for the scene in a resources folder, whose path is in UTF-8. May also throw SceneFileError.
 SceneFile scene_in(const std::string& folder, const Asked& asked);
 /// Throws CallError for an instance without a name and for a null token.
 void check_asked(const Asked& asked);
 
-/// The handle of a new instance, or null, and the log has the reason. logger(): the host's. scene(): may throw CallError.
+/// Returns the handle of a new instance, or null with the reason in the log. make_logger(): returns the logger of the host. find_scene():
+/// returns the scene; may throw CallError.
 template <class Held, class MakeLogger, class FindScene>
 Held* instantiate(Registry<Held>& registry, const char* function, const Asked& asked, MakeLogger&& make_logger,
                   FindScene&& find_scene) noexcept {
@@ -37,7 +38,7 @@ Held* instantiate(Registry<Held>& registry, const char* function, const Asked& a
     } catch (const std::exception& error) {
       logger.log(fmi2Error, log_error, error.what());
     }
-  } catch (...) {  // no memory for the message either
+  } catch (...) {  // there is no memory even for the message
   }
   return nullptr;
 }

@@ -1,7 +1,7 @@
-/// The objects that a host holds handles to: a handle that is not among them is refused without being looked into.
+/// Registry of the objects that a host holds handles to. A handle that is not in the registry is refused without being dereferenced.
 ///
-/// Trivially destructible on purpose: a library may be unloaded at any time, and not every toolchain runs what would be left to do then.
-/// The table goes with the last object.
+/// The registry is trivially destructible on purpose: a library may be unloaded at any time, and not every toolchain runs destructors then.
+/// The table is deleted together with the last object.
 #pragma once
 #include <atomic>
 #include <memory>
@@ -12,7 +12,7 @@ namespace softffd::fmi {
 template <class Object>
 class Registry {
  public:
-  /// Takes ownership; the pointer is the handle.
+  /// Takes ownership of the object and returns its handle, which is the pointer.
   Object* adopt(std::unique_ptr<Object> object) {
     const Lock lock(busy_);
     if (!objects_) objects_ = new Table;
@@ -25,16 +25,16 @@ class Registry {
     }
     return handle;
   }
-  /// The object behind a handle, or null; who has it may use it whatever other threads release.
+  /// Returns the object of a handle, or null. The caller may use the object even if another thread releases it meanwhile.
   std::shared_ptr<Object> live(const void* handle) {
     const Lock lock(busy_);
     if (!objects_) return nullptr;
     const auto found = objects_->find(handle);
     return found == objects_->end() ? nullptr : found->second;
   }
-  /// Destroys the object behind a handle; nothing happens for any other value.
+  /// Destroys the object of a handle. Does nothing for any other value.
   void release(const void* handle) {
-    std::shared_ptr<Object> last;  // destroyed after the lock is gone
+    std::shared_ptr<Object> last;  // destroyed after the lock is released
     const Lock lock(busy_);
     if (!objects_) return;
     const auto found = objects_->find(handle);
@@ -43,7 +43,7 @@ class Registry {
     objects_->erase(found);
     drop_empty_table();
   }
-  /// Destroys the objects that fulfil a condition.
+  /// Destroys the objects for which the condition is true.
   template <class Condition>
   void release_if(Condition&& condition) {
     const Lock lock(busy_);
@@ -55,7 +55,7 @@ class Registry {
  private:
   using Table = std::unordered_map<const void*, std::shared_ptr<Object>>;
 
-  /// Held for a look-up only: waiting threads spin.
+  /// Lock that is held only during a look-up. Waiting threads spin.
   class Lock {
    public:
     explicit Lock(std::atomic_flag& busy) : busy_(busy) {

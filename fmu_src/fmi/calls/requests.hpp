@@ -1,4 +1,4 @@
-/// What hosts of both standards ask of an instance, behind the guard: its log categories, its experiment.
+/// Requests that the functions of both standards make behind the guard: log categories and the experiment.
 #pragma once
 #include "calls/guard.hpp"
 
@@ -6,7 +6,7 @@ namespace softffd::fmi {
 
 fmi2Status switch_logging(Instance& instance, const Function& function, bool on, std::size_t count, const char* const* categories);
 
-/// Start and, where they are given, tolerance and stop time [s]. Throws CallError.
+/// Start time [s] and, if they are given, tolerance and stop time [s]. `set_up` throws CallError if a value is invalid.
 struct Experiment {
   double start;
   const double* tolerance;  ///< null: not given

@@ -9,7 +9,7 @@ namespace softffd::fmi {
 
 namespace {
 
-/// Bytes, the scene that they belong to, and the instance that they go with when it is freed.
+/// The bytes of a state, the GUID of their scene, and the owner: the instance with which the state is freed.
 struct HeldState {
   const void* owner;
   std::string guid;
@@ -30,7 +30,7 @@ void hold(StateHandle* handle, HeldState state) {
     return;
   }
   const std::shared_ptr<HeldState> place = held(*handle);
-  if (place->owner != state.owner) place->owner = state.owner;  // other instances read it when they are freed: not written without need
+  if (place->owner != state.owner) place->owner = state.owner;  // read by other instances when they are freed: not written needlessly
   place->guid = std::move(state.guid);
   place->bytes = std::move(state.bytes);
 }

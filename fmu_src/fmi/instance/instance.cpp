@@ -6,7 +6,7 @@ namespace softffd::fmi {
 
 namespace {
 
-/// Run and error estimate, which take turns, share its threads.
+/// Returns the scene with a team of threads, if the lattice has enough points. Run and error estimate share the team, as they take turns.
 SceneFile with_team(SceneFile scene) {
   const int threads = SpringPass::threads_of_use(scene.definition.lattice, scene.threads);
   if (threads > 1) scene.definition.team = std::make_shared<Team>(threads);
@@ -62,7 +62,7 @@ void Instance::get(Type type, const fmi2ValueReference* references, std::size_t 
 void Instance::ensure_initial_state() {
   if (phase != initializing || !variables_.changed()) return;
   apply_values();
-  const StepStatus status = body_.initialize(0);  // its clock runs from the start: far from 0 times are coarse
+  const StepStatus status = body_.initialize(0);  // the clock of the body starts at 0, because rounding of times grows with their size
   if (status != StepStatus::ok) {
     variables_.touch();
     throw CallError("the initial state: " + trouble(status, scene_, body_, times_.start, 0));

@@ -1,4 +1,4 @@
-/// One instance of the component: its scene, its values, its place in the standard's life cycle.
+/// One instance of the component: its scene, its variables, and its phase in the standard's life cycle.
 #pragma once
 #include "instance/state_blob.hpp"
 #include "messages/messages.hpp"
@@ -6,18 +6,18 @@
 
 namespace softffd::fmi {
 
-struct Whole;  ///< all that a state consists of (state.cpp)
+struct Whole;  ///< all data of a state (state.cpp)
 
 class Instance {
  public:
   Instance(SceneFile scene, Logger logger);
-  Instance(const Instance&) = delete;  // its parts know each other
+  Instance(const Instance&) = delete;  // its parts refer to each other
   Instance& operator=(const Instance&) = delete;
 
   Phase phase = instantiated;
   Logger logger;
 
-  /// Back to the state right after instantiation.
+  /// Returns the instance to the state right after instantiation.
   void reset();
   void setup_experiment(double start_time, double tolerance, double stop_time);  ///< tolerance <= 0, stop_time infinite: not given
   void enter_initialization();
@@ -36,12 +36,12 @@ class Instance {
   }
 
   std::vector<Variables::Array> arrays() const { return variables_.arrays(); }
-  /// Name of a variable, as Variables has it.
+  /// Returns the name of a variable (Variables::name).
   std::string name(fmi2ValueReference reference) const { return variables_.name(reference); }
 
-  /// Everything that makes the instance continue as it would have, as flat bytes.
+  /// Returns all data that the instance needs to continue as it would have, as flat bytes.
   Bytes save_state() const;
-  /// Continues from saved bytes. Throws StateError, changing nothing, if they are none of this scene.
+  /// Continues from saved bytes. Throws StateError, and changes nothing, if the bytes are not a state of this scene.
   void load_state(const Bytes& bytes);
   const std::string& guid() const { return scene_.guid; }
 

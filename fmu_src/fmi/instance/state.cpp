@@ -1,4 +1,4 @@
-/// Saving and restoring an instance: the part of Instance that knows what a state consists of.
+/// Saves and restores an instance: the part of Instance that defines the data of a state.
 #include <algorithm>
 #include <iterator>
 
@@ -6,7 +6,7 @@
 
 namespace softffd::fmi {
 
-/// What of the settings had taken effect; values set since then may still wait for the next step.
+/// Settings that have taken effect. Values set since then may still wait for the next step.
 struct InEffect {
   double mass, edge, face, body, modulus, poissons_ratio, damping, internal_damping;
   Vec3 gravity;
@@ -65,7 +65,7 @@ void pass(Archive& archive, Whole& whole) {
 
 namespace {
 
-/// By how much the square of a quaternion's size may differ from 1.
+/// Largest deviation from 1 of the squared norm of a unit quaternion.
 constexpr double of_a_unit = 1e-6;
 
 bool sound(const InEffect& s) {
@@ -87,7 +87,7 @@ bool sound(const Variables::LastStep& last) { return std::isfinite(last.length) 
 
 bool counter(Count value) { return value >= 0 && value <= Count{1} << 53; }
 
-/// Counters that are doubled.
+/// Counters that are doubled in the course of a run have a small bound.
 bool sound(const StiffContact& stiff) {
   const auto small = [](Count value) { return value >= 0 && value <= Count{1} << 20; };
   return stiff.doubts >= 0 && stiff.doubts <= thresholds::most_doubts && small(stiff.looks) && small(stiff.trust) &&
@@ -122,9 +122,9 @@ bool sound(const Whole& whole, const Variables& variables) {
 
 }  // namespace
 
-/// The values of this moment, whose sizes are those of any state of the scene.
+/// Returns the present data. Every state of the scene has arrays of the same sizes.
 Whole Instance::whole() const {
-  const bool waits = body_.material_waits();  // since a step that was discarded
+  const bool waits = body_.material_waits();  // since a discarded step
   const Variables::Values& values = variables_.values();
   const Material& material = body_.material();
   const Stiffness& springs = material.stiffness;

@@ -1,7 +1,8 @@
 /// An FMU state as bytes: flat, no pointers, little-endian, no padding.
 ///
-/// In memory it is the payload alone; serialized it has a head: magic, format version, payload size and checksum of the payload, eight
-/// bytes each, and the scene's guid. The same bits come back in another instance or process of the same scene; anything else is refused.
+/// In memory a state is the payload alone. A serialized state has a head: magic number, format version, payload size and checksum of the
+/// payload, eight bytes each, and the scene's GUID. Another instance or process with the same scene restores the same bits. Any other bytes
+/// are refused.
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -17,13 +18,14 @@ namespace softffd::fmi {
 
 using Bytes = std::vector<unsigned char>;
 
-/// A blob that is no state of this scene; what() says why.
+/// Thrown for bytes that are not a state of this scene; what() is the reason.
 struct StateError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Returns the serialized state.
 Bytes with_head(const std::string& guid, const Bytes& payload);
-/// The payload of a serialized state. Throws StateError.
+/// Returns the payload of a serialized state. Throws StateError if the head does not fit the GUID or the payload.
 Bytes without_head(const std::string& guid, std::span<const unsigned char> serialized);
 inline std::size_t head_size(const std::string& guid) { return 32 + guid.size(); }
 
@@ -70,8 +72,7 @@ class StateWriter {
   Bytes& bytes_;
 };
 
-/// Takes values in the same order. Throws StateError at the end of the bytes, for numbers that are no numbers and choices that there are
-/// not.
+/// Reads values in the same order. Throws StateError at the end of the bytes, for NaN, and for values that are not among the choices.
 class StateReader {
  public:
   explicit StateReader(std::span<const unsigned char> bytes) : rest_(bytes) {}
@@ -80,7 +81,7 @@ class StateReader {
     if (value != value) throw StateError("a value of the state is not a number");
   }
   void integer(Count& value) { value = Count(word()); }
-  /// One of an enumeration's values up to `last`, or a flag.
+  /// Reads a value of an enumeration, at most `last`, or a flag.
   template <class Choice>
   void choice(Choice& value, Choice last) {
     const std::uint64_t number = word();

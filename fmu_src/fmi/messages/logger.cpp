@@ -15,7 +15,7 @@ std::ptrdiff_t category_index(std::string_view name) {
   return found == std::end(log_categories) ? -1 : found - std::begin(log_categories);
 }
 
-/// Length of the well-formed UTF-8 sequence that the text begins with; 0: none, or a control character.
+/// Returns the length of the well-formed UTF-8 sequence at the beginning of the text; 0: none, or a control character.
 std::size_t character_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const auto follows = [&](std::size_t i, unsigned low = 0x80, unsigned high = 0xbf) { return byte(i) >= low && byte(i) <= high; };
@@ -67,7 +67,7 @@ void Logger::hand_over(fmi2Status status, const char* category, std::string_view
   if (host_) host_(status, category, escaped(message).c_str());
 }
 
-/// What a host gave and a message repeats may hold anything: only whole characters pass, the rest becomes `?`.
+/// Returns the message for the host. A message may repeat any bytes that the host has passed: everything but whole characters becomes `?`.
 std::string Logger::escaped(std::string_view message) const {
   std::string text;
   while (!message.empty()) {

@@ -1,5 +1,5 @@
-/// Messages to the host, by the rules of both standards: declared categories only, UTF-8, no line break at the end, and the characters
-/// doubled that a standard gives a meaning.
+/// Sends messages to the host by the rules of both standards: declared categories only, UTF-8, no line break at the end. Characters to which
+/// a standard gives a meaning are doubled.
 #pragma once
 #include <functional>
 #include <string>
@@ -16,21 +16,21 @@ namespace softffd::fmi {
 
 class Logger {
  public:
-  /// The host's callback, whatever form its standard gives it; may be empty.
+  /// The host's callback, in a form that does not depend on the standard; may be empty.
   using Host = std::function<void(fmi2Status status, const char* category, const char* message)>;
-  /// doubled: the characters with a meaning.
+  /// doubled: the characters to be doubled.
   Logger(Host host, std::string_view doubled, bool logging_on);
-  /// A host of FMI 2.0.
+  /// Creates the logger of a host of FMI 2.0.
   Logger(const fmi2CallbackFunctions& callbacks, std::string instance_name, bool logging_on);
 
-  /// Switches all categories (no names, or logAll among them) or the named ones. Returns the names that are not declared.
+  /// Switches the named categories on or off, or all if there are no names or logAll is among them. Returns the undeclared names.
   std::vector<std::string> switch_categories(bool on, const std::vector<std::string>& names);
 
-  /// Is a message of this category handed over? Saves composing it.
+  /// True if messages of this category are sent to the host, so that callers need not compose other messages.
   bool on(const char* category) const;
-  /// Errors are always handed over; anything else only where its category is on.
+  /// Sends a message to the host if it is an error, or if its category is on.
   void log(fmi2Status status, const char* category, std::string_view message) const;
-  /// Why a call returns fmi2Warning: always handed over too. Returns fmi2Warning.
+  /// Sends the reason why a call returns fmi2Warning, always. Returns fmi2Warning.
   fmi2Status warn_caller(std::string_view message) const;
 
  private:
@@ -43,11 +43,11 @@ class Logger {
   std::vector<bool> enabled_;
 };
 
-/// A value with nine digits, for messages.
+/// Returns a value with nine digits, for messages.
 std::string number(double value);
-/// A measured or estimated value with two digits, for messages.
+/// Returns a measured or estimated value with two digits, for messages.
 std::string estimate(double value);
-/// A bound with two digits, rounded so that the text is within it.
+/// Returns an upper bound with two digits, rounded so that the text does not exceed the bound.
 std::string within(double bound);
 
 }  // namespace softffd::fmi

@@ -8,16 +8,17 @@ namespace softffd::fmi {
 
 namespace {
 
-/// Fraction of the stability bound up to which neither friction nor resonance has been seen to feed an undamped body's vibrations.
+/// Fraction of the stability bound up to which neither friction nor resonance has been observed to excite vibrations of an undamped body.
 constexpr double quiet_fraction = 0.3;
-/// Error in tolerances from which on it is worth a warning, and its growth from which on it is again: the stated error is an upper estimate
-/// more often than not, but in random scenes it has been a quarter of the true one, of which ten tolerances are promised.
+/// Error, in units of the tolerance, above which a warning is given, and factor of growth above which the warning is repeated. The stated
+/// error is more often than not an upper estimate, but in random scenes it has been a quarter of the true error, for which ten tolerances
+/// are promised.
 constexpr double doubtful = 2.5, more_doubtful = 2;
-/// Angle of an implicit contact step from which on what it takes from a rotation is worth a warning [rad].
+/// Rotation angle per implicit contact step above which a warning of the damped rotation is given [rad].
 constexpr double damped_turn = 0.05;
-/// Fraction of the largest force by which friction may leave Coulomb's cone without a warning.
+/// Excess of friction over Coulomb's cone, as a fraction of the largest force, above which a warning is given.
 constexpr double beside_the_cone = 1e-3;
-/// Jump of a pose, relative to the box, from which on it is worth a warning [1].
+/// Jump of a pose, as a fraction of the largest side of the box, above which a warning is given [1].
 constexpr double noticed_jump = 1e-6;
 
 std::string method_name(Method method, Reason reason) {
@@ -55,7 +56,7 @@ std::string reason_text(Reason reason) {
   return "unknown";
 }
 
-/// Is a plane, or a pin's frame, given no motion beside its pose?
+/// True if a plane, or the frame of a pin, is given no motion beside its pose.
 template <class Motion>
 bool rests(const Motion& given) {
   return given.velocity.isZero(0) && given.angular_velocity.isZero(0) && given.acceleration.isZero(0) &&
@@ -76,7 +77,7 @@ std::string rubbing_warning(SoftBody& body) {
          " s or to 0, or add damping";
 }
 
-/// Steps of the component's choice are made smaller instead, as long as that helps.
+/// Automatic steps are made smaller instead, as long as this helps. The warning is given only if it does not, or for given steps.
 std::string gain_warning(SoftBody& body, double time) {
   const Readings now = body.readings();
   const double given = body.settings.step;
@@ -109,7 +110,7 @@ std::string turning_warning(const SoftBody& body, double time) {
          " s, or solver.method = leapfrog, which resolves the rotation";
 }
 
-/// Flat faces wedged between planes of different directions.
+/// Concerns flat faces that are wedged between planes of different directions.
 std::string friction_warning(const SoftBody& body, double time) {
   const double missed = body.run().physical.surface.missed;
   if (!(missed > beside_the_cone)) return {};
@@ -127,7 +128,7 @@ std::string jump_warning(const std::string& name, double jump, double time) {
          name + ".velocity too (or .angular_velocity; the scene's `inputs` name them) for a smooth motion between communication points";
 }
 
-/// Of the first pose that is an input and jumps while its velocity is not set.
+/// Returns a warning of the first pose that is an input and jumps although its velocity is not set.
 std::string jump_warning(const SoftBody& body, const SceneFile& scene, double time) {
   const Readings now = body.readings();
   if (!now.moved) return {};
@@ -136,14 +137,14 @@ std::string jump_warning(const SoftBody& body, const SceneFile& scene, double ti
   for (std::size_t a = 0; a < scene.pins.size(); ++a)
     if (scene.pins[a].moved_by_input && still(given.pins[a]) && now.pin_jump(int(a)) > least)
       return jump_warning("pin." + scene.pins[a].name, now.pin_jump(int(a)), time);
-  if (given.method == Method::central_difference) return {};  // as published, points get behind planes without any jump
+  if (given.method == Method::central_difference) return {};  // as published: points get behind planes even without a jump
   for (std::size_t q = 0; q < scene.planes.size(); ++q)
     if (scene.planes[q].moved_by_input && still(given.planes[q]) && now.plane_jump(int(q)) > least)
       return jump_warning(scene.planes[q].path(), now.plane_jump(int(q)), time);
   return {};
 }
 
-/// Inverted cells are a state of the model like any other, but seldom a wanted one.
+/// Inverted cells are a valid state of the model, but seldom a wanted one.
 std::string folding_warning(const SoftBody& body, const Definition& of, double time) {
   const int folded = body.readings().folded_cells();
   if (folded == 0) return {};
@@ -173,7 +174,7 @@ void Messages::begun(const SoftBody& body, double time) {
   report_threads();
   warn_of_folding(body, time);
   for (const std::string& strained : strained_by_pins(scene_, body)) logger_.log(fmi2Warning, log_warning, at_time(time) + strained);
-  if (body.readings().undecided())  // passes with a given step only
+  if (body.readings().undecided())  // otherwise an error, except with a given step
     logger_.log(fmi2Warning, log_warning, at_time(time) + without_direction(scene_, body));
   else if (const std::string behind = behind_planes(scene_, body); !behind.empty())
     logger_.log(fmi2Warning, log_warning, at_time(time) + behind + "; " + clear_of_planes);
@@ -192,7 +193,7 @@ void Messages::stepped(SoftBody& body, double time, double length) {
   report_error(body, time);
 }
 
-/// Where a lattice has less work than the scene has threads for it.
+/// Reports the number of threads if the lattice is too small for all threads of the scene.
 void Messages::report_threads() {
   const Definition& of = scene_.definition;
   const int members = of.team ? of.team->members() : 1;
@@ -202,12 +203,12 @@ void Messages::report_threads() {
                   " control points uses " + std::to_string(members) + (members > 1 ? " threads" : " thread"));
 }
 
-/// Counting costs more than the other looks: where nobody listens it is left until somebody does.
+/// Counting inverted cells costs more than the other checks. It is therefore done only while warnings are logged.
 void Messages::warn_of_folding(const SoftBody& body, double time) {
   if (logger_.on(log_warning)) once(folding, [&] { return folding_warning(body, scene_.definition, time); });
 }
 
-/// Once, and again where it has become several times what was stated.
+/// Warns once of a large error, and again if the error has become several times the stated one.
 void Messages::report_error(const SoftBody& body, double time) {
   const double lost = body.readings().stated_error(), allowed = body.settings.tolerance * body.lattice().largest_side();
   if (!(lost > std::max(doubtful * allowed, more_doubtful * reported_.error)) || !logger_.on(log_warning)) return;
@@ -231,7 +232,7 @@ void Messages::report_step_factor(const SoftBody& body, double time) {
                   number(reported_.step_factor));
 }
 
-/// The method of a step and why it is taken, where either is another than before, or where a given step has to be divided much further.
+/// Reports the method of a step and its reason if either has changed, or if a given step has to be divided much further than before.
 void Messages::report_choice(SoftBody& body) {
   const Readings now = body.readings();
   const double h = now.internal_step(), asked = body.settings.step;

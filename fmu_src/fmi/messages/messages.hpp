@@ -1,4 +1,4 @@
-/// What an instance reports of its own accord: the method it takes and why, and warnings, each once in a run.
+/// Reports that an instance makes unasked: the method that it uses and the reason, and warnings, each once in a run.
 #pragma once
 #include "messages/logger.hpp"
 #include "resource/scene_file.hpp"
@@ -7,16 +7,16 @@ namespace softffd::fmi {
 
 class Messages {
  public:
-  /// Both must outlive this.
+  /// Scene and logger must outlive the object.
   Messages(const SceneFile& scene, const Logger& logger) : scene_(scene), logger_(logger) {}
 
-  /// A new run: everything may be reported again.
+  /// Begins a new run, in which everything may be reported again.
   void reset() { reported_ = {}; }
-  /// fmi2SetupExperiment was left out.
+  /// Reports that fmi2SetupExperiment was not called.
   void not_set_up();
-  /// Looks at the initial state; time [s].
+  /// Reports on the initial state at this time [s].
   void begun(const SoftBody& body, double time);
-  /// Looks at a communication step of this length [s] that has been done and has led to this time [s].
+  /// Reports on a communication step of this length [s], which has just ended at this time [s].
   void stepped(SoftBody& body, double time, double length);
 
  private:
@@ -26,9 +26,9 @@ class Messages {
     std::optional<Method> method;
     Reason reason = Reason::asked;
     double step = -1, step_factor = 1;
-    double error = 0;  ///< the largest that has been stated [m]
+    double error = 0;  ///< largest error reported so far [m]
   };
-  /// Gives the warning that `text` returns, unless it is empty or there was one of this topic before.
+  /// Logs the warning that `text` returns, unless the warning is empty or there was a warning of this topic before.
   template <class Text>
   void once(Topic topic, Text&& text) {
     if (reported_.topics & topic) return;

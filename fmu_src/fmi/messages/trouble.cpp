@@ -7,12 +7,12 @@ namespace softffd::fmi {
 
 namespace {
 
-/// Depth behind a plane relative to the box that is rounding.
+/// Depth behind a plane, as a fraction of the largest side of the box, up to which it is rounding.
 constexpr double slight = 1e-9;
-/// Distance relative to the box by which a pin may begin off its place without a warning.
+/// Distance of pinned points from the initial body, as a fraction of the largest side of the box, above which a warning is given.
 constexpr double noticed_strain = 1e-6;
 
-/// Where the body starts, what planes meet of it: samples of its surface, or the control points that no pin holds.
+/// Returns the initial places that planes may meet [m]: samples of the surface, or the control points that no pin holds.
 std::vector<Vec3> met_places(const Definition& d, const Points& start) {
   std::vector<Vec3> places;
   if (d.samples) {
@@ -68,7 +68,7 @@ std::string without_direction(const SceneFile& scene, const SoftBody& body) {
 
 std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
   const Definition& d = scene.definition;
-  if (body.settings.method == Method::central_difference) return {};  // moves none
+  if (body.settings.method == Method::central_difference) return {};  // this method moves no points out
   const Points start = start_positions(d, body.settings.rotation);
   const std::vector<Vec3> places = met_places(d, start);
   const std::string what = d.samples ? " point of the surface" : " control point",

@@ -179,7 +179,7 @@ void read_taxels(Record& r, SceneFile& s) {
     for (int j = 0; j < patch.taxels[1]; ++j) s.taxels.push_back({int(s.sensors.size()) - 1, {i, j}});
   while (r.more()) {
     const int place = r.integer(0, int(s.definition.sensed.areas.size()) - 1), taxel = r.integer(0, patch.taxel_count() - 1);
-    patch.shares.push_back({place, taxel, r.at_least(0)});
+    patch.fractions.push_back({place, taxel, r.at_least(0)});
   }
 }
 void read_initial(Record& r, SceneFile& s) {
@@ -312,13 +312,13 @@ void check_complete(const SceneFile& s) {
 }
 
 /// Equally; of a solid by the nodes' parts of the volume, which on a face makes a uniform traction.
-void share_loads(SceneFile& s) {
-  Scalars shares = Scalars::Ones(count(s));
-  if (s.definition.solid()) shares = lobatto::volume_shares(s.definition.lattice);
+void distribute_loads(SceneFile& s) {
+  Scalars weights = Scalars::Ones(count(s));
+  if (s.definition.solid()) weights = lobatto::volume_fractions(s.definition.lattice);
   for (SceneFile::Load& load : s.loads) {
     double sum = 0;
-    for (const int p : load.points) sum += shares[p];
-    for (const int p : load.points) load.shares.push_back(shares[p] / sum);
+    for (const int p : load.points) sum += weights[p];
+    for (const int p : load.points) load.weights.push_back(weights[p] / sum);
   }
 }
 
@@ -366,7 +366,7 @@ SceneFile parse_scene(std::string_view text) {
     if (record.more()) record.fail("more values than the record takes");
   }
   check_complete(scene);
-  share_loads(scene);
+  distribute_loads(scene);
   take_samples(scene);
   check_sensors(scene);
   return scene;

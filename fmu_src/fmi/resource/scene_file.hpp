@@ -41,7 +41,7 @@ struct SceneFile {
   struct Load {
     std::string name;
     std::vector<int> points;
-    std::vector<double> shares;  ///< of the load, (points): their sum is 1
+    std::vector<double> weights;  ///< of the load, (points): their sum is 1
   };
   struct Probe {
     std::string name;

@@ -168,8 +168,8 @@ void Variables::spread(const Table& table, Points& force) const {
   for (std::size_t n = 0; n < points.size(); ++n) force.row(points[n]) += vector(table, Family::force, n).array().transpose();
   if (scene_.definition.solid() && !points.empty()) lobatto::to_nodes(scene_.definition.lattice, force);
   for (std::size_t n = 0; n < scene_.loads.size(); ++n) {
-    const auto& [name, points, shares] = scene_.loads[n];
-    for (std::size_t i = 0; i < points.size(); ++i) force.row(points[i]) += shares[i] * vector(table, Family::load, n).array().transpose();
+    const auto& [name, points, weights] = scene_.loads[n];
+    for (std::size_t i = 0; i < points.size(); ++i) force.row(points[i]) += weights[i] * vector(table, Family::load, n).array().transpose();
   }
 }
 

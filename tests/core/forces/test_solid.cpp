@@ -21,7 +21,7 @@ const Lattice long_box{.counts = {7, 4, 4}, .size = {2, 0.7, 1.1}, .lobatto = tr
 Body solid_body(const Lattice& lattice, double ratio = 0.25, double modulus = 1, double time = 0) {
   const int n = lattice.points();
   Body body{.energies = {},
-            .mass = lobatto::volume_shares(lattice) * lattice.size.prod(),
+            .mass = lobatto::volume_fractions(lattice) * lattice.size.prod(),
             .damping = Scalars::Zero(n),
             .pinned = std::vector<bool>(n, false)};
   auto solid = std::make_shared<Solid>(lattice);

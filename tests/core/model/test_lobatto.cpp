@@ -48,7 +48,7 @@ TEST(weights_of_nodes_sum_to_one_reproduce_cubics_and_are_the_volume_of_the_box)
     CHECK_NEAR(cube, t * t * t, 1e-14);
     CHECK(weights.minCoeff() > -0.1251);
   }
-  const Scalars volume = lobatto::volume_shares(patched);
+  const Scalars volume = lobatto::volume_fractions(patched);
   const Points x = rest_positions(patched);
   CHECK_NEAR(volume.sum(), 1, 1e-14);
   CHECK_NEAR((volume * x.col(0)).sum(), 2, 1e-14);

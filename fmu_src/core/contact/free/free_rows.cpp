@@ -60,10 +60,10 @@ Handles FreeRows::find_handles(const SurfaceRow& row) const {
     if (each.body().pin < 0) continue;
     Handle handle{.body = each.index()};
     for (const int p : around_->pins[each.body().pin].points) {
-      handle.share += of_points[p];
+      handle.weight += of_points[p];
       handle.arm += of_points[p] * (softffd::row(*x_, p) - (*states_)[each.index()].position);
     }
-    if (handle.share != 0 || !handle.arm.isZero(0)) found.push_back(handle);
+    if (handle.weight != 0 || !handle.arm.isZero(0)) found.push_back(handle);
   }
   return found;
 }
@@ -74,7 +74,7 @@ Eigen::Matrix3d FreeRows::between(const Handles& a, const Handles& b) const {
     for (const Handle& other : b) {
       if (one.body != other.body) continue;
       const auto& [mass, inertia] = yields_[one.body];
-      sum += one.share * other.share * mass + cross(one.arm).transpose() * inertia * cross(other.arm);
+      sum += one.weight * other.weight * mass + cross(one.arm).transpose() * inertia * cross(other.arm);
     }
   return sum;
 }
@@ -96,7 +96,7 @@ void FreeRows::add_force(const SurfaceRow& row, const Vec3& force) {
 
 void FreeRows::add(const Handle& handle, const Vec3& force) {
   Wrench& given = given_[handle.body];
-  given.force += handle.share * force;
+  given.force += handle.weight * force;
   given.torque += handle.arm.cross(force);
   const auto& [mass, inertia] = yields_[handle.body];
   twists_[handle.body] = {mass * given.force, inertia * given.torque};
@@ -137,7 +137,7 @@ void FreeRows::stick(const std::vector<Handles>& handles, const std::vector<Vec3
   for (std::size_t k = 0; k < bodies; ++k) {
     for (std::size_t a = 0; a < n; ++a) {
       const Handle own = handle_on(int(k), handles[a]);
-      Eigen::Map<Eigen::Vector4d>(&columns[4 * a]) << own.arm, own.share;
+      Eigen::Map<Eigen::Vector4d>(&columns[4 * a]) << own.arm, own.weight;
     }
     solve(columns.data());
     for (std::size_t a = 0; a < n; ++a)
@@ -148,11 +148,11 @@ void FreeRows::stick(const std::vector<Handles>& handles, const std::vector<Vec3
   Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
   for (std::size_t a = 0; a < n; ++a)
     for (const Handle& each : handles[a]) {
-      right.segment<3>(6 * each.body) += each.share * forces[a];
+      right.segment<3>(6 * each.body) += each.weight * forces[a];
       right.segment<3>(6 * each.body + 3) += each.arm.cross(forces[a]);
       for (int c = 0; c < size; ++c) {
         const Vec3 moved = motion(responses[c / 6][a], c % 6);
-        slope.block<3, 1>(6 * each.body, c) += each.share * moved;
+        slope.block<3, 1>(6 * each.body, c) += each.weight * moved;
         slope.block<3, 1>(6 * each.body + 3, c) += each.arm.cross(moved);
       }
     }

@@ -30,7 +30,7 @@ struct SurfaceRow {
 /// How a row acts on a free body: s (`share`) and r (`arm`) of the formulas above.
 struct Handle {
   int body = -1;
-  double share = 0;
+  double weight = 0;
   Vec3 arm = Vec3::Zero();
 };
 /// The handles of a row: on its obstacle, and on the parts of pins or on the solid of its own sample.
@@ -88,7 +88,7 @@ class FreeRows {
     return {.body = body};
   }
   /// Returns the motion of a row by component i of a twist.
-  static Vec3 motion(const Handle& of, int i) { return i < 3 ? Vec3(of.share * Vec3::Unit(i)) : Vec3(Vec3::Unit(i - 3).cross(of.arm)); }
+  static Vec3 motion(const Handle& of, int i) { return i < 3 ? Vec3(of.weight * Vec3::Unit(i)) : Vec3(Vec3::Unit(i - 3).cross(of.arm)); }
 
   struct Yield {
     Eigen::Matrix3d mass, inertia;  ///< inverse mass and inertia, scaled

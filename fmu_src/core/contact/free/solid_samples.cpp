@@ -19,7 +19,7 @@ constexpr double within = 1e-6;
 
 struct Segment {
   Vec3 from, to;
-  Vec3 at(double share) const { return from + share * (to - from); }
+  Vec3 at(double fraction) const { return from + fraction * (to - from); }
 };
 /// Part of a segment between two fractions of its length; empty if `begin` exceeds `end`. out: normal of the face that the part is over.
 struct Part {
@@ -86,9 +86,9 @@ std::optional<SolidSample> end_over(const Segment& segment, int n, const Plane& 
   if (!other.solid() || samples_of(other) == 1 || (other.own && other.box())) return {};
   const Part part = other.box() ? over_box(other, its_pose, segment) : over_cylinder(other, its_pose, segment);
   if (part.begin > part.end) return {};
-  const double share = n == 0 ? part.begin + within : part.end - within;
-  if (share < 2 * within || share > 1 - 2 * within || (n == 1 && part.end - part.begin < 4 * within)) return {};
-  const Vec3 place = segment.at(share);
+  const double fraction = n == 0 ? part.begin + within : part.end - within;
+  if (fraction < 2 * within || fraction > 1 - 2 * within || (n == 1 && part.end - part.begin < 4 * within)) return {};
+  const Vec3 place = segment.at(fraction);
   return SolidSample{place, place + (2 * other.size() + std::abs(part.out.dot(place - its_pose.point))) * part.out};
 }
 

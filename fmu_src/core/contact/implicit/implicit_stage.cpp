@@ -16,7 +16,7 @@ namespace {
 /// Number of roundings that add up in the force on a point [1].
 constexpr double roundings = 16;
 /// A change of friction's stiffness below this fraction of the least inertia m / h^2 does not matter to the solution [1].
-constexpr double slight_share = 0.05;
+constexpr double slight_fraction = 0.05;
 /// Fraction of the missing loads of sliding points that may be left for the next iteration [1]: `rough_loads` if the step is solved to a
 /// distance (Step::way), `fine_loads` if to rounding.
 constexpr double rough_loads = 1e-2, fine_loads = 1e-4;
@@ -106,7 +106,7 @@ StepStatus ImplicitStage::open(const Step& step) {
     inertia = std::max(inertia, each.mass() / (step.h * step.h) * kernels::largest(u_.size(), u_.data()));
   }
   noise_ = roundings * rounding * (largest_stiffness_ * extent_ + inertia + force_scale_);
-  slight_ = slight_share * body.mass.minCoeff() / (step.h * step.h);
+  slight_ = slight_fraction * body.mass.minCoeff() / (step.h * step.h);
   scratch_ = force_;
   if (step.along && body.dashpots()) body.add_dashpot_force(step.from.x, *step.along, scratch_);
   touches_->guess(step, scratch_, x);

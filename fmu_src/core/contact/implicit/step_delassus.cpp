@@ -6,9 +6,9 @@ namespace softffd {
 
 namespace {
 
-/// Operations for an element, which is looked up by its samples.
+/// Operations to look up an element by its samples.
 constexpr double element_work = 50;
-/// Responses that are kept from step to step, each of nine numbers a point: what bounds their memory.
+/// Largest number of responses that are kept from step to step. Each has nine numbers per point, so this bounds their memory.
 constexpr std::size_t most_kept = 256;
 
 }  // namespace
@@ -52,14 +52,14 @@ void StepDelassus::factor(int from) {
 Eigen::Matrix3d StepDelassus::block(const SurfaceRow& a, const SurfaceRow& b) {
   Eigen::Matrix3d sum = (*this)(a.sample, b.sample);
   if (free_) {
-    const Handles of_a = free_->handles(a);  // they are for one row at a time
+    const Handles of_a = free_->handles(a);  // a copy: the handles are valid until the next call
     sum += free_->between(of_a, free_->handles(b));
     if (a == b && !samples_->of_object(a.sample)) sum += FreeRows::give(sum) * across(normals_[a.plane]);
   }
   return sum;
 }
 
-/// Along the normals, of blocks where they are kept.
+/// Returns n_a . G n_b of two rows. Without free obstacles it uses the stored blocks.
 double StepDelassus::element(const SurfaceRow& a, const SurfaceRow& b) {
   const Vec3 &along_a = normals_[a.plane], &along_b = normals_[b.plane];
   if (free_) return along_a.dot(block(a, b) * along_b);
@@ -120,7 +120,7 @@ void StepDelassus::add_compliance(Response& made) {
   operations_.spend(3 * Operations::of_place * double(index_[made.sample] + 1));
   for (int r = 0; r <= index_[made.sample]; ++r) {
     const Response& other = *responses_[r];
-    const bool later = other.sample <= made.sample;  // so that bits do not go by which of them was asked for first
+    const bool later = other.sample <= made.sample;  // so that bits do not depend on the order of the requests
     Eigen::Matrix3d block;
     for (int axis = 0; axis < 3; ++axis)
       block.col(axis) = later ? samples_->at(other.sample, made.moved[axis]) : samples_->at(made.sample, other.moved[axis]);

@@ -1,11 +1,12 @@
-/// The Delassus operator of rows in the metric of an implicit step's matrix A: how far a force at one sample moves another.
+/// The Delassus operator of contact constraints (rows) in the metric of the matrix A of an implicit step: how far a force at one sample
+/// moves another sample.
 ///
-/// A force f at sample t moves the body by Z_t f, Z_t = A^-1 (W_t (x) I), three solutions; sample s by G_st f with 3 x 3 numbers, for A,
-/// unlike masses, knows directions,
+/// A force f at sample t moves the body by Z_t f, with Z_t = A^-1 (W_t (x) I), which takes three solutions with A. It moves sample s by
+/// G_st f. G_st has 3 x 3 numbers because A, unlike masses, depends on directions:
 ///
 ///      G_st = sum_i W_si Z_ti,      along the rows' normals n_s . G_st n_t.
 ///
-/// Rows are those of Delassus, whose functions it has for DualActiveSetIn.
+/// The rows are the same as in Delassus (surface/delassus.hpp), and so are the functions that DualActiveSetIn uses.
 #pragma once
 #include <memory>
 
@@ -18,14 +19,15 @@ class StepDelassus {
  public:
   explicit StepDelassus(const Samples& samples) : samples_(&samples), index_(samples.all(), -1) {}
 
-  /// What free obstacles yield too; null: there are none. Its twists are those of the last forces.
+  /// Includes the compliance of free obstacles; null: there are none. The twists in `free` are those due to the last forces.
   void set_free(FreeRows* free) { free_ = free; }
 
-  /// The normals of the planes (planes), until the next call; the rows at hand are forgotten.
+  /// Sets the normals of the planes (planes), valid until the next call. Drops the current rows.
   void set_planes(const std::vector<Vec3>& normals);
-  /// Responses are those of this factored matrix from now on; read until the next call. Pinned points do not move.
+  /// Sets the factored matrix from which responses follow from now on; it is read until the next call. Drops responses and rows. Pinned
+  /// points do not move.
   void set_matrix(StepMatrix& matrix, const Body& body);
-  /// The responses of a matrix that is kept, once they are many.
+  /// Drops the responses of a kept matrix if there are many of them.
   void forget_many();
 
   int size() const { return int(rows_.size()); }
@@ -47,17 +49,18 @@ class StepDelassus {
   }
   void apply_impulses(const std::vector<double>& forces, const std::vector<GapFunction>& begin, std::vector<GapFunction>& gaps);
 
-  /// As Delassus, those of the matrix's solutions apart.
+  /// Operations spent, as in Delassus, but without those of the solutions with the matrix.
   Operations& operations() const { return operations_; }
 
-  /// G of two samples [m/N]; and of two rows, with what free obstacles yield.
+  /// Returns G of two samples [m/N] (3, 3); `block` returns G of two rows, with the compliance of free obstacles.
   Eigen::Matrix3d operator()(int s, int t);
   Eigen::Matrix3d block(const SurfaceRow& a, const SurfaceRow& b);
-  /// That of a solid's own sample (FreeRows::give).
+  /// Returns the compliance of friction on a solid's own sample (FreeRows::give) [m/N].
   double give(const SurfaceRow& row);
   /// Computes the responses of these samples together.
   void respond(const std::vector<int>& samples);
-  /// Samples whose responses may be needed next. They are computed together with another one, as far as the solution has room for them.
+  /// Announces samples whose responses may be needed next. They are computed together with the next response that is asked for, as many as
+  /// one solution has room for.
   void expect(const std::vector<int>& samples) { expected_ = samples; }
   /// u += Z_s f [m].
   void add_response(int s, const Vec3& f, Points& u);
@@ -68,7 +71,7 @@ class StepDelassus {
   struct Response {
     int sample;
     std::array<Points, 3> moved;              ///< by a unit force along each axis [m/N]
-    std::vector<Eigen::Matrix3d> compliance;  ///< with the samples of the responses before, and its own: by the later sample's motion
+    std::vector<Eigen::Matrix3d> compliance;  ///< G with the samples of earlier responses and with its own sample
   };
   const Response& response(int s);
   void add_compliance(Response& made);
@@ -82,8 +85,8 @@ class StepDelassus {
   const Body* body_ = nullptr;
   FreeRows* free_ = nullptr;
   std::vector<Vec3> normals_;
-  std::vector<std::unique_ptr<Response>> responses_;  ///< in the order they were asked for
-  std::vector<int> index_;                            ///< (samples) of their responses; -1: none yet
+  std::vector<std::unique_ptr<Response>> responses_;  ///< in the order in which they were requested
+  std::vector<int> index_;                            ///< (samples) index of each sample's response; -1: none yet
   std::vector<SurfaceRow> rows_;
   RowFactor factor_;
   Points move_;

@@ -6,7 +6,7 @@ namespace softffd {
 
 namespace {
 
-/// By how much less of compressed springs' softening is taken each time that the matrix has no Cholesky factor.
+/// Decrease of the weight of the softening by compressed springs, each time that the matrix has no Cholesky factor.
 constexpr double less_softening = 0.25;
 
 }  // namespace
@@ -36,7 +36,8 @@ void StepMatrix::factor(const StepProblem& problem, bool count) {
   if (!problem.parts.empty()) condense(problem);
 }
 
-/// With u = y - Z d for the other points, y = K^-1 b, Z = K^-1 F, the parts' unknowns d obey (S - F' Z) d = B' b - F' y.
+/// Eliminates all other points. With u = y - Z d for them, y = K^-1 b, Z = K^-1 F, the unknowns d of the parts obey
+/// (S - F' Z) d = B' b - F' y.
 void StepMatrix::condense(const StepProblem& problem) {
   parts_ = problem.parts;
   at_ = problem.x;
@@ -54,7 +55,7 @@ void StepMatrix::condense(const StepProblem& problem) {
     unit.setZero();
     for (const int p : *part.points) set_row(unit, p, part.motion(column.unknown, row(at_, p) - part.centre));
     forces_of(problem, unit, column.forces);
-    for (const int p : *part.points)  // whose inertia is the part's
+    for (const int p : *part.points)  // the mass of the part contains the inertia of its points
       set_row(column.forces, p, row(column.forces, p) - per_h2 * problem.body.mass[p] * row(unit, p));
     for (int i = 0; i < n; ++i) condensed_(i, j) = along(i, column.forces);
     const int own = column.unknown;
@@ -72,7 +73,7 @@ void StepMatrix::condense(const StepProblem& problem) {
   condensed_ = (0.5 * (condensed_ + condensed_.transpose())).eval().inverse().eval();
 }
 
-/// Work of forces on a part's points by unknown i.
+/// Returns the work of forces on the points of a part, per unit of unknown i.
 double StepMatrix::along(int i, const Points& forces) const {
   const FreePart& part = parts_[columns_[i].part];
   double sum = 0;

@@ -217,9 +217,9 @@ bool DiskFriction::newton_step(const Disks& disks) {
   find_slips();
   for (int i = 0; i < n; ++i) {
     const auto& [t, along, turn] = unknowns_[i];
-    const double share = turn * inverse_own_[t], *row = &g_[t * count_];
-    right_[i] = -share * along.dot(slips_[t]);
-    for (int j = 0; j < n; ++j) slopes_[i * n + j] = share * row[unknowns_[j].row] * along.dot(unknowns_[j].along);
+    const double fraction = turn * inverse_own_[t], *row = &g_[t * count_];
+    right_[i] = -fraction * along.dot(slips_[t]);
+    for (int j = 0; j < n; ++j) slopes_[i * n + j] = fraction * row[unknowns_[j].row] * along.dot(unknowns_[j].along);
     slopes_[i * n + i] += 1 - turn;
   }
   if (!eliminate(n, slopes_, right_)) return false;

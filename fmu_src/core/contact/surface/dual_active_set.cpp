@@ -9,16 +9,17 @@ namespace softffd {
 
 namespace {
 
-/// Share of a row's own compliance that must be left beside the active ones to be appended; and below which it depends on them.
+/// Fraction of a row's own compliance that the active rows must leave so that the row can be appended; fraction at or below which the row
+/// depends on them.
 constexpr double independent = 1e-10, dependent = 1e-14;
 /// Response below which a row does not unload another.
 constexpr double no_response = 1e-12;
-/// Rows that are looked at first once they were found violated.
+/// Largest number of violated rows that are evaluated first.
 constexpr std::size_t looked_at = 32;
-/// Rows that are added, and dropped for one of them, at most.
+/// Largest number of rows that are added, and that are dropped for one added row.
 constexpr int most_additions = 1000, most_drops = 300;
-/// Of these, beside two for each candidate, those after which what violates a row may be rounding: rows that nearly depend on each other
-/// violate one another in turn then. By how much the tolerance grows with each further one, and at most.
+/// After this many additions, plus two for each candidate, violations may be due to rounding: rows that nearly depend on each other then
+/// violate one another in turn. Factor by which the tolerance grows with each further addition, and its largest total factor.
 constexpr std::size_t sure_additions = 100;
 constexpr double tolerance_growth = 1.1, most_growth = 1e3;
 
@@ -36,7 +37,7 @@ StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, st
   std::size_t c = 0;
   for (const SurfaceRow& row : active()) {
     while (c < candidates.size() && candidates[c].row < row) ++c;
-    if (c == candidates.size() || candidates[c].row != row) return StepStatus::not_finite;  // what was active is no candidate any more
+    if (c == candidates.size() || candidates[c].row != row) return StepStatus::not_finite;  // an active row is not among the candidates
     at_hand_[c] = 1;
     bounds_.push_back(candidates[c].bound);
   }
@@ -73,7 +74,7 @@ StepStatus DualActiveSetIn<Metric>::solve(std::vector<Candidate>& candidates, st
   return StepStatus::not_finite;
 }
 
-/// Forces of the rows that were active, without those that would pull: a start with l >= 0.
+/// Finds the forces of the rows that were active, and drops rows that would pull, so that the start has l >= 0.
 template <class Metric>
 void DualActiveSetIn<Metric>::warm() {
   while (true) {
@@ -84,7 +85,7 @@ void DualActiveSetIn<Metric>::warm() {
   }
 }
 
-/// GapFunction of the forces at hand.
+/// Computes the gap functions with the present forces.
 template <class Metric>
 void DualActiveSetIn<Metric>::spread() {
   scratch_ = forces_;
@@ -92,7 +93,7 @@ void DualActiveSetIn<Metric>::spread() {
   delassus_.apply_impulses(scratch_, begin_, *gap_functions_);
 }
 
-/// The row is active no more, and its part in y0 is taken out.
+/// Makes the row inactive, and removes its force from y0.
 template <class Metric>
 void DualActiveSetIn<Metric>::leave(int row, typename Metric::Column* column) {
   const double part = known_[row];
@@ -119,7 +120,7 @@ void DualActiveSetIn<Metric>::find_forces() {
   for (std::size_t t = 0; t < forces_.size(); ++t) forces_[t] += known_[t];
 }
 
-/// Active rows in the order of the candidates.
+/// Sorts the active rows into the order of the candidates.
 template <class Metric>
 void DualActiveSetIn<Metric>::sort(const std::vector<Candidate>& candidates) {
   std::vector<std::pair<SurfaceRow, double>> known;
@@ -134,7 +135,8 @@ void DualActiveSetIn<Metric>::sort(const std::vector<Candidate>& candidates) {
   find_wanted();
 }
 
-/// Ties go to the first row; the few that were violated most at a full look are looked at alone until they are met.
+/// Returns the index of the most violated candidate that is not active; the first one among equals; -1: none. The few that were most
+/// violated when all were last evaluated are evaluated alone until they are met.
 template <class Metric>
 int DualActiveSetIn<Metric>::most_violated(std::vector<Candidate>& candidates, double tolerance) {
   int worst = -1;
@@ -216,7 +218,7 @@ StepStatus DualActiveSetIn<Metric>::add(const std::vector<Candidate>& candidates
   return StepStatus::not_finite;
 }
 
-/// Afresh by the factor, so that no rounding adds up.
+/// Solves for the forces again with the factor, so that rounding does not accumulate.
 template <class Metric>
 void DualActiveSetIn<Metric>::renew_forces() {
   find_forces();
@@ -224,7 +226,7 @@ void DualActiveSetIn<Metric>::renew_forces() {
   spread();
 }
 
-/// Once more for what rounding has left of the active rows' gaps. Returns whether there was anything.
+/// Corrects the forces for the gaps that rounding has left at the active rows. Returns whether the forces have changed.
 template <class Metric>
 bool DualActiveSetIn<Metric>::refine(const std::vector<Candidate>& candidates, double tolerance) {
   scratch_.clear();

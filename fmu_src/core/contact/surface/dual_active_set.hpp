@@ -1,28 +1,29 @@
-/// The nearest state of the body that planes allow its samples, in the metric of the masses or of an implicit step's matrix
-/// (step_delassus.hpp): minimise |y - y0|^2 subject to n_q . Q_s(y) >= b_qs.
+/// Finds the state y of the body nearest to y0 in which no sample is behind a plane, in the metric of the masses or of the matrix of an
+/// implicit step (step_delassus.hpp): minimise |y - y0|^2 subject to n_q . Q_s(y) >= b_qs.
 ///
-/// Strictly convex, so y is one; solved exactly by the dual active set of Goldfarb & Idnani (1983), from the rows that were active before:
+/// The problem is strictly convex, so y is unique. The dual active set method of Goldfarb & Idnani (1983) solves it exactly, with the rows
+/// that were active before as the warm start:
 ///
-///      the rows' forces l >= 0 move gaps by l A; rows at hand are met exactly, the most violated other one is added:
-///      t1: how far its force can grow before that of a row at hand is 0, which is dropped then
-///      t2: how far until it is met itself, where it is appended
+///      the forces l >= 0 of the rows move the gaps by l A; active rows are met exactly; the most violated other row is added:
+///      t1: how far its force can grow before the force of an active row becomes 0, which is dropped then
+///      t2: how far its force can grow until the row itself is met, and is appended
 ///
-/// Everything is done in gaps above each plane, h_q = n_q . y - c_q at the control points: the rows' forces move them by scalar fields.
-/// Crowded samples make A nearly singular, without harm: l >= 0 cannot cancel, and a Cholesky solution is backward stable. Which of them
-/// carry the plane's force is not unique then; y and the planes' forces are.
+/// All computations use gaps above each plane, h_q = n_q . y - c_q at the control points, which the forces of rows change by scalar fields.
+/// Samples close to each other make A nearly singular. This does no harm: l >= 0 cannot cancel, and a Cholesky solution is backward stable.
+/// It is then not unique which of the samples carry the force of the plane, but y and the forces of the planes are unique.
 #pragma once
 #include "contact/surface/delassus.hpp"
 
 namespace softffd {
 
-/// A row that must be kept: the height of the sample above the plane >= bound.
+/// A contact constraint to be satisfied: the height of the sample above the plane must be at least `bound` [m].
 struct Candidate {
   SurfaceRow row;
   double bound = 0;
-  double gap = 0;  ///< result: height less bound at y, to rounding
+  double gap = 0;  ///< result: height at y less `bound`, to rounding
 };
 
-/// Metric: Delassus, or what has its functions.
+/// Metric: Delassus, or a class with the same functions.
 template <class Metric>
 class DualActiveSetIn {
  public:
@@ -32,14 +33,14 @@ class DualActiveSetIn {
   const Metric& delassus() const { return delassus_; }
   const std::vector<SurfaceRow>& active() const { return delassus_.rows(); }
   const std::vector<double>& forces() const { return forces_; }  ///< of the active rows, sorted
-  /// Did the last solution make rows active that were not?
+  /// True if the last solution made rows active that were not active before.
   bool added() const { return added_; }
-  /// Largest violation of a row that nothing free could mend, for all its points are pinned.
+  /// Returns the largest violation among rows that no force can satisfy, because all their points are pinned.
   double pinned_violation() const { return pinned_; }
 
-  /// gaps: (planes) of y0, become those of y. candidates: sorted by row; the active ones must be among them. known: forces of the active
-  /// rows that y0 has already, so that large forces that hold each other lose no digits; none: zero. Not finite: not found in so many
-  /// steps.
+  /// Finds y. gaps: (planes) of y0, become those of y. candidates: sorted by row, must contain the active rows. known: forces of the active
+  /// rows that y0 contains already, so that large forces in mutual balance lose no digits; empty: zero. Returns not_finite if the
+  /// solution is not found within the allowed steps and operations.
   StepStatus solve(std::vector<Candidate>& candidates, std::vector<GapFunction>& gaps, double tolerance,
                    const std::vector<double>& known = {});
 
@@ -60,13 +61,13 @@ class DualActiveSetIn {
 
   Metric delassus_;
   typename Metric::Column column_;
-  std::vector<double> forces_, known_, bounds_, wanted_;  ///< of the active rows: l, its part in y0, b, b less height at y0
+  std::vector<double> forces_, known_, bounds_, wanted_;  ///< of the active rows: l, part of l in y0, b, b less height at y0
   std::vector<double> scratch_;
-  std::vector<GapFunction> begin_;  ///< of y0
+  std::vector<GapFunction> begin_;  ///< gaps of y0
   std::vector<GapFunction>* gap_functions_ = nullptr;
-  std::vector<int> hot_;       ///< candidates that were violated most at the last full look
-  std::vector<int> expected_;  ///< their samples
-  std::vector<char> at_hand_;  ///< candidates: 1 active, 2 pinned
+  std::vector<int> hot_;       ///< candidates most violated when all were last evaluated
+  std::vector<int> expected_;  ///< samples of the candidates hot_
+  std::vector<char> at_hand_;  ///< (candidates) 1: active, 2: pinned
   std::vector<std::pair<double, int>> violated_;
   bool added_ = false;
   double pinned_ = 0;

@@ -17,22 +17,22 @@ constexpr int most_lifts = 5;
 /// A gain of kinetic energy up to this fraction of the energy that contact exchanges counts as rounding.
 constexpr double no_gain = 1e-10;
 /// Friction of the state above this multiple of the Coulomb limit is not used as a warm start.
-constexpr double most_share = 2;
+constexpr double most_fraction = 2;
 
 }  // namespace
 
 /// Takes over rows of the state. Only rows among the candidates can be active.
 void SurfaceContact::load(const std::vector<Count>& numbers, const Points& friction, SurfaceStage& stage) const {
   stage.rows.clear();
-  stage.share.clear();
+  stage.fraction.clear();
   auto at = stage.candidates.begin();
   for (std::size_t t = 0; t < numbers.size() && numbers[t] >= 0; ++t) {
     while (at != stage.candidates.end() && number(at->row) < numbers[t]) ++at;
     if (at == stage.candidates.end()) return;
     if (number(at->row) != numbers[t]) continue;
     stage.rows.push_back(at->row);
-    const Vec3 share = softffd::row(friction, int(t));
-    stage.share.push_back(share.norm() <= most_share ? share : Vec3(Vec3::Zero()));  // a state may hold anything
+    const Vec3 fraction = softffd::row(friction, int(t));
+    stage.fraction.push_back(fraction.norm() <= most_fraction ? fraction : Vec3(Vec3::Zero()));  // a state may hold anything
     ++at;
   }
 }
@@ -41,7 +41,7 @@ void SurfaceContact::save(const SurfaceStage& stage, std::vector<Count>& numbers
   const std::size_t known = std::min(numbers.size(), stage.rows.size());
   for (std::size_t t = 0; t < known; ++t) {
     numbers[t] = number(stage.rows[t]);
-    set_row(friction, int(t), stage.share[t]);
+    set_row(friction, int(t), stage.fraction[t]);
   }
   for (std::size_t t = known; t < numbers.size() && numbers[t] >= 0; ++t) {
     numbers[t] = -1;
@@ -173,8 +173,8 @@ Vec3 SurfaceContact::aim(const StepView& step, const Vec3& free, const SurfaceRo
   const double gap = start_[row.plane].gap(begin);
   if (at_once || gap <= touching * length_) return target;
   arrives_ = true;
-  const double left = end_[row.plane].gap(free), share = left < 0 ? gap / (gap - left) : 1;
-  return target + share * tangential(end_[row.plane].normal, free - target);
+  const double left = end_[row.plane].gap(free), fraction = left < 0 ? gap / (gap - left) : 1;
+  return target + fraction * tangential(end_[row.plane].normal, free - target);
 }
 
 void SurfaceContact::find(const StepView& step, const Points& x1, const SurfaceRows& rows) {
@@ -198,7 +198,7 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   set_free(step.around, free_start_, step.x0);
   pins_.begin(step.around, before);
   if (near_) {
-    share_work(drift_);
+    divide_work(drift_);
     places_known_ = drift_.free() ? hold_free_drift(step, x1, rows) : hold_drift(step, v, x1, rows);
     StepStatus status = places_known_ ? StepStatus::ok : position_stage(step, v, x1, rows);
     for (int turns = 0; turns < most_lifts && status == StepStatus::ok && lift_tangents(step, x1, free); ++turns) {
@@ -248,7 +248,7 @@ void SurfaceContact::allow(double most) {
 }
 
 /// Limits the work of a stage that begins to what the other stage and the searches have left.
-void SurfaceContact::share_work(SurfaceStage& stage) {
+void SurfaceContact::divide_work(SurfaceStage& stage) {
   const SurfaceStage& other = &stage == &drift_ ? close_ : drift_;
   stage.operations().limit(most_ * in_evaluation_ - found_ - other.operations().done());
 }
@@ -349,12 +349,12 @@ StepStatus SurfaceContact::find_stop(const std::vector<Candidate>& candidates, c
 bool SurfaceContact::sticks() const {
   const std::vector<SurfaceRow>& rows = drift_.rows;
   return !rows.empty() && !lands_ && rows.front().plane == rows.back().plane &&
-         std::ranges::any_of(drift_.share, [](const Vec3& share) { return share.norm() < slid; });
+         std::ranges::any_of(drift_.fraction, [](const Vec3& fraction) { return fraction.norm() < slid; });
 }
 
 StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& rows, std::vector<FreeState>& free, Exchange& exchange) {
   if (touching_.empty()) return StepStatus::ok;
-  share_work(close_);
+  divide_work(close_);
   const std::vector<FreeState> before = free;
   set_free(step.around, before, step.x0);
   if (holds_) lasting_ = touching_;
@@ -364,7 +364,7 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   } else {
     if (sticks()) {  // others would carry the body as well, but friction on them would not hold what these hold
       close_.rows = drift_.rows;
-      close_.share = drift_.share;
+      close_.fraction = drift_.fraction;
       save(close_, rows.close, rows.close_friction);
     }
     if (known_ < 0 || !find_stop_of_known(step, v, rows)) {

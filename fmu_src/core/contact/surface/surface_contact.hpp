@@ -110,7 +110,7 @@ class SurfaceContact {
   bool sticks() const;
   StepStatus stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows);
   StepStatus find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v, const SurfaceRows& rows);
-  void share_work(SurfaceStage& stage);
+  void divide_work(SurfaceStage& stage);
   StepStatus position_stage(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   StepStatus meet_near(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);

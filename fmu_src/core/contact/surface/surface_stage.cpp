@@ -61,9 +61,9 @@ StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const 
     find_forces();
     find_move();
   }
-  share.assign(rows.size(), Vec3::Zero());
+  fraction.assign(rows.size(), Vec3::Zero());
   for (std::size_t t = 0; t < rows.size(); ++t)
-    if (limit(t) > 0) share[t] = p_[t] / limit(t);
+    if (limit(t) > 0) fraction[t] = p_[t] / limit(t);
   return StepStatus::ok;
 }
 
@@ -83,14 +83,14 @@ bool SurfaceStage::hold(const std::vector<Vec3>& away) {
   }
   delassus.solve_together(columns_.data());
   force_.resize(n);
-  share.resize(n);
+  fraction.resize(n);
   for (int t = 0; t < n; ++t) {
     const double* from = &columns_[columns * t];
     force_[t] = Vec3(from[0], from[1], from[2]);
     const double load = normal.dot(force_[t]), limit = friction * load;
     const Vec3 rubbed = tangential(normal, force_[t]);
     if (!(load >= 0 && (friction == 0 || rubbed.squaredNorm() <= limit * limit))) return false;
-    share[t] = limit > 0 ? Vec3(1 / limit * rubbed) : Vec3(Vec3::Zero());
+    fraction[t] = limit > 0 ? Vec3(1 / limit * rubbed) : Vec3(Vec3::Zero());
   }
   find_move();
   add_motion(move_);
@@ -102,13 +102,13 @@ bool SurfaceStage::hold_free(const std::vector<Vec3>& away) {
   missed_ = 0;
   delassus.list_rows(rows);
   delassus.stick(away, force_);
-  share.resize(rows.size());
+  fraction.resize(rows.size());
   for (std::size_t t = 0; t < rows.size(); ++t) {
     const Vec3& normal = normals_[rows[t].plane];
     const double load = normal.dot(force_[t]), most = friction_[rows[t].plane] * load;
     const Vec3 rubbed = tangential(normal, force_[t]);
     if (!(load >= 0 && rubbed.squaredNorm() <= most * most)) return false;
-    share[t] = most > 0 ? Vec3(1 / most * rubbed) : Vec3(Vec3::Zero());
+    fraction[t] = most > 0 ? Vec3(1 / most * rubbed) : Vec3(Vec3::Zero());
   }
   find_move();
   add_motion(move_);
@@ -147,7 +147,7 @@ void SurfaceStage::rub(const std::function<Vec3(const SurfaceRow&)>& slip) {
     limits_.push_back(limit(t));
     slips_.push_back(tangential(normals_[rows[t].plane], slip(rows[t])));
     while (u < before_.size() && before_[u] < rows[t]) ++u;
-    if (u < before_.size() && before_[u] == rows[t]) p_[t] = limits_[t] * share[u];
+    if (u < before_.size() && before_[u] == rows[t]) p_[t] = limits_[t] * fraction[u];
   }
   missed_ = disks_.solve({set_.delassus(), normals_, limits_, slips_}, p_);
 }
@@ -207,7 +207,7 @@ void SurfaceStage::state_law(const std::function<Vec3(const SurfaceRow&)>& slip,
       }
     }
     // what stuck sticks, and what slid slides on
-    if (first) problem.aims.push_back(normal + problem.friction[t] * (share[t].norm() < slid ? 1 : slides_on) * share[t]);
+    if (first) problem.aims.push_back(normal + problem.friction[t] * (fraction[t].norm() < slid ? 1 : slides_on) * fraction[t]);
   }
   for (int t = 0; t < n && !first; ++t)
     for (int u = 0; u < n; ++u) problem.u[t] += problem.g[t * n + u] * force_[u];

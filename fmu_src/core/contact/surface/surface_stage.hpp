@@ -42,7 +42,7 @@ class SurfaceStage {
   std::vector<Candidate> candidates;
   /// Rows that were active before, sorted, and the start values of their friction as ratios to its limit.
   std::vector<SurfaceRow> rows;
-  std::vector<Vec3> share;
+  std::vector<Vec3> fraction;
 
   /// True if the current rows, all on one plane, press on it and stick. away: of each row, distance at y0 from where it should be, along
   /// its normal and, if there is friction, across. On success the gaps of all planes are those of y.
