@@ -21,7 +21,7 @@ double psi(double z) {
   return sum;
 }
 
-/// Sets `shares` to the coefficients of the polynomial of this degree that equals psi at Chebyshev's points of [0, reach], both ends
+/// Sets `coefficients` to the coefficients of the polynomial of this degree that equals psi at Chebyshev's points of [0, reach], both ends
 /// included.
 void interpolate(int degree, double reach, std::vector<double>& coefficients) {
   coefficients.assign(degree + 1, degree == 0 ? psi(0) : 0.0);

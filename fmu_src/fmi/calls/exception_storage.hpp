@@ -4,8 +4,7 @@
 ///      R_X86_64_TLSDESC     asks glibc to allocate the library's bytes in every thread, existing and future, when the library is loaded;
 ///                           glibc does not do so if there is no room for them (`initial-exec` would refuse to load the library)
 ///
-/// One such access is enough for all thread-local bytes of the library, including those of the C++ runtime. On ARM, every access is
-/// compiled in this way.
+/// One such access covers all bytes of the library, including those of the C++ runtime. On ARM, every access is compiled in this way.
 #pragma once
 
 namespace softffd::fmi {

@@ -15,8 +15,8 @@ fmi3Status guarded3(fmi3Instance instance, const Function& function, const Array
   return fmi3Status(guarded(array_instances, instance, function, arrays, std::forward<Call>(call)));
 }
 
-/// The states in which the standard lets a host call each function (FMI 3.0.2, sections 2.3 and 4.2). After an error a host may read values,
-/// save the state and reset.
+/// The states in which the standard lets a host call each function (FMI 3.0.2, sections 2.3 and 4.2). After an error a host may read
+/// values, save the state and reset.
 namespace function3 {
 
 inline constexpr unsigned any_phase = function::any_phase, settable = function::settable;

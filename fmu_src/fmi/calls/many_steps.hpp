@@ -33,6 +33,6 @@ struct ManySteps {
 
 }  // namespace softffd::fmi
 
-/// Continues until `until` steps are done. Inputs are set before each step except the first, whose inputs are set already. Returns fmi2OK, or
-/// the status of the call that discarded or failed; `done` then does not count that step.
+/// Continues until `until` steps are done. Inputs are set before each step except the first, whose inputs are set already. Returns fmi2OK,
+/// or the status of the call that discarded or failed; `done` then does not count that step.
 SOFTFFD_EXPORTED int softffd_many_steps(softffd::fmi::ManySteps* run, long long until);

@@ -6,8 +6,7 @@ namespace softffd::fmi {
 
 using StateHandle = void*;  ///< the type in both standards
 
-/// All throw StateError for a handle without a state, `set_state` and `deserialize` also for a state that is not of this scene or not sound.
-/// `serialize` throws CallError if `size` is too small.
+/// All throw StateError for an unknown handle or an unsuitable state; `serialize` throws CallError if `size` is too small.
 void get_state(Instance& instance, StateHandle* state);  ///< into *state, or into a new state if *state is null
 void set_state(Instance& instance, StateHandle state);
 void free_state(StateHandle* state);

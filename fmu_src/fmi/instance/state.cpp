@@ -87,7 +87,7 @@ bool sound(const Variables::LastStep& last) { return std::isfinite(last.length) 
 
 bool counter(Count value) { return value >= 0 && value <= Count{1} << 53; }
 
-/// Counters that are doubled in the course of a run have a small bound.
+/// Checks counters that are doubled in the course of a run: they must be small.
 bool sound(const StiffContact& stiff) {
   const auto small = [](Count value) { return value >= 0 && value <= Count{1} << 20; };
   return stiff.doubts >= 0 && stiff.doubts <= thresholds::most_doubts && small(stiff.looks) && small(stiff.trust) &&

@@ -37,7 +37,7 @@ Logger::Host host_of(const fmi2CallbackFunctions& callbacks, std::string instanc
 }  // namespace
 
 Logger::Logger(Host host, std::string_view doubled, bool logging_on)
-    : host_(std::move(host)), step_doubling_(doubled), enabled_(std::size(log_categories), logging_on) {}
+    : host_(std::move(host)), doubled_(doubled), enabled_(std::size(log_categories), logging_on) {}
 
 Logger::Logger(const fmi2CallbackFunctions& callbacks, std::string instance_name, bool logging_on)
     : Logger(host_of(callbacks, std::move(instance_name)), "%#", logging_on) {}
@@ -72,7 +72,7 @@ std::string Logger::escaped(std::string_view message) const {
   std::string text;
   while (!message.empty()) {
     const std::size_t length = character_length(message);
-    if (length == 1 && step_doubling_.find(message[0]) != step_doubling_.npos) text += message[0];
+    if (length == 1 && doubled_.find(message[0]) != doubled_.npos) text += message[0];
     text.append(length ? message.substr(0, length) : "?");
     message.remove_prefix(std::max<std::size_t>(length, 1));
   }

@@ -1,5 +1,5 @@
-/// Sends messages to the host by the rules of both standards: declared categories only, UTF-8, no line break at the end. Characters to which
-/// a standard gives a meaning are doubled.
+/// Sends messages to the host by the rules of both standards: declared categories only, UTF-8, no line break at the end. Characters to
+/// which a standard gives a meaning are doubled.
 #pragma once
 #include <functional>
 #include <string>
@@ -39,7 +39,7 @@ class Logger {
   std::string escaped(std::string_view message) const;
 
   Host host_;
-  std::string_view step_doubling_;
+  std::string_view doubled_;
   std::vector<bool> enabled_;
 };
 

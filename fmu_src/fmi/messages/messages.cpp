@@ -110,7 +110,7 @@ std::string turning_warning(const SoftBody& body, double time) {
          " s, or solver.method = leapfrog, which resolves the rotation";
 }
 
-/// Concerns flat faces that are wedged between planes of different directions.
+/// Warns of friction beyond Coulomb's cone, which occurs on flat faces wedged between planes of different directions.
 std::string friction_warning(const SoftBody& body, double time) {
   const double missed = body.run().physical.surface.missed;
   if (!(missed > beside_the_cone)) return {};
@@ -174,7 +174,7 @@ void Messages::begun(const SoftBody& body, double time) {
   report_threads();
   warn_of_folding(body, time);
   for (const std::string& strained : strained_by_pins(scene_, body)) logger_.log(fmi2Warning, log_warning, at_time(time) + strained);
-  if (body.readings().undecided())  // otherwise an error, except with a given step
+  if (body.readings().undecided())  // comes here only with a given step; otherwise the start fails
     logger_.log(fmi2Warning, log_warning, at_time(time) + without_direction(scene_, body));
   else if (const std::string behind = behind_planes(scene_, body); !behind.empty())
     logger_.log(fmi2Warning, log_warning, at_time(time) + behind + "; " + clear_of_planes);

@@ -10,8 +10,7 @@ std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& b
 /// Returns why springs have no direction, and the remedy.
 std::string without_direction(const SceneFile& scene, const SoftBody& body);
 
-/// Returns how many control points, or points of the surface, start behind planes or in solids, from where they are moved at once, and how
-/// deep. Empty if there are none.
+/// Returns how many points start behind planes or in solids, from where they are moved at once, and how deep; empty if there are none.
 std::string behind_planes(const SceneFile& scene, const SoftBody& body);
 
 /// Returns a text for each pin that does not start where the body does.

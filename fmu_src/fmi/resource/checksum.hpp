@@ -1,4 +1,4 @@
-/// CRC-32, as zlib has it: the checksum of resources files and of FMU states. It finds damage, not malice.
+/// CRC-32, as in zlib: the checksum of resources files and of FMU states. It detects damage, but not malicious changes.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace softffd::fmi {
 
-/// Eight bytes at a time: tables[k] is what a byte amounts to with k bytes behind it.
+/// Processes eight bytes at a time: tables[k] contains the contribution of a byte that is followed by k bytes.
 inline std::uint32_t crc32(std::span<const unsigned char> bytes) {
   static constexpr auto tables = [] {
     std::array<std::array<std::uint32_t, 256>, 8> made{};

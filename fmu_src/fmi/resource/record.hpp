@@ -1,4 +1,4 @@
-/// One record of the resources' text: a line of words and numbers, taken one by one.
+/// One record of the resources file: a line of words and numbers, which are read one by one. Errors throw SceneFileError.
 #pragma once
 #include <algorithm>
 #include <charconv>

@@ -1,4 +1,4 @@
-/// From the resource location that a host hands over to a path on disk.
+/// Converts the resource location that a host passes into a path on disk.
 #pragma once
 #include <optional>
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace softffd::fmi {
 
-/// file:/x, file:///x, file:////x (as some hosts write it), file://localhost/x, scheme in any case, percent-encoded UTF-8. Empty optional:
-/// not such a URI.
+/// Returns the path of a URI file:/x, file:///x, file:////x (as some hosts write it) or file://localhost/x, with the scheme in upper or
+/// lower case and percent-encoded UTF-8. Returns an empty optional for any other URI.
 std::optional<std::string> path_from_uri(std::string_view uri);
 
 }  // namespace softffd::fmi

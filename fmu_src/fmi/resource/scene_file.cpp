@@ -21,11 +21,11 @@ namespace softffd::fmi {
 
 namespace {
 
-/// By how much of a side rounding may take a sample out of the box.
+/// Fraction of a side by which rounding may take a sample out of the box.
 constexpr double outside = 1e-9;
-/// Of the square of a unit vector.
+/// Rounding of the square of a unit vector.
 constexpr double rounding = 1e-12;
-/// Along a side of a sensor.
+/// Largest number of taxels along a side of a sensor.
 constexpr int most_taxels = 64;
 
 struct Reader {
@@ -74,7 +74,7 @@ void read_plane(Record& r, SceneFile& s) {
   s.planes.push_back(plane);
   s.definition.planes = int(s.planes.size());
 }
-/// The plane of the record before is a solid about its point: a sphere or cylinder, or a box.
+/// Turns the plane of the record before into a solid around its point: a sphere or cylinder; `read_box` makes it a box.
 void read_solid(Record& r, SceneFile& s) {
   if (s.planes.empty()) r.fail("there is no plane before it");
   s.planes.back().radius = r.positive();
@@ -103,7 +103,7 @@ void read_pin_start(Record& r, SceneFile& s) {
   start.position = r.vector();
   for (double& component : start.orientation) component = r.number();
 }
-/// The obstacle or pin of the record before is a free body.
+/// Makes the obstacle or pin of the record before a free body.
 template <class Moved>
 void make_free(Record& r, SceneFile& s, std::vector<Moved>& list, FreeBody body) {
   if (list.empty() || list.back().moved_by_input || list.back().free >= 0) r.fail("there is nothing before it that may be free");
@@ -126,7 +126,7 @@ bool is_pose(std::string_view kind, std::string_view word) {
       if (info.name.starts_with(kind) && !info.pose.empty() && word == std::string(info.pose) + "." + c) return true;
   return false;
 }
-/// The inputs of the plane or pin of the record before.
+/// Reads the inputs of the plane or pin of the record before.
 template <class Moved>
 void read_inputs(Record& r, std::vector<Moved>& list, std::string_view kind) {
   if (list.empty() || !list.back().moved_by_input) r.fail("there is nothing before it that inputs move");
@@ -144,7 +144,7 @@ void read_load(Record& r, SceneFile& s) {
   if (load.points.empty()) r.fail("a load without points");
   s.loads.push_back(load);
 }
-/// What the probe of the record before shows beside its place.
+/// Reads the outputs of the probe of the record before, beside its place.
 void read_probe_outputs(Record& r, SceneFile& s) {
   if (s.probes.empty()) r.fail("there is no probe before it");
   SceneFile::Probe& probe = s.probes.back();
@@ -157,7 +157,7 @@ void read_probe_outputs(Record& r, SceneFile& s) {
   probe.followed = int(s.definition.sensed.followed.size());
   s.definition.sensed.followed.push_back({probe.at, probe.maximum, probe.von_mises && probe.maximum});
 }
-/// Of the surface at each control point, or at each sample.
+/// Reads the areas of the surface at each control point, or at each sample.
 void read_areas(Record& r, SceneFile& s) {
   while (r.more()) s.definition.sensed.areas.push_back(r.vector());
 }
@@ -170,7 +170,7 @@ void read_sensor(Record& r, SceneFile& s) {
   }
   if (patch.places.empty()) r.fail("a sensor without places");
 }
-/// Of the sensor of the record before: how many there are, and the parts of places.
+/// Reads the numbers of taxels of the sensor of the record before, and the fractions of places that belong to taxels.
 void read_taxels(Record& r, SceneFile& s) {
   if (s.sensors.empty()) r.fail("there is no sensor before it");
   Patch& patch = s.definition.sensed.patches.back();
@@ -192,7 +192,7 @@ void read_initial(Record& r, SceneFile& s) {
 void read_stiffness(Record& r, SceneFile& s) {
   for (double* k : {&s.stiffness.edge, &s.stiffness.face, &s.stiffness.body}) *k = r.at_least(0);
 }
-/// The body is a solid, whose points are the nodes of patches.
+/// Poisson's ratio makes the body a solid, whose points are the nodes of patches.
 void read_poissons_ratio(Record& r, SceneFile& s) {
   s.poissons_ratio = r.at_least(0);
   const auto row = std::ranges::find(families, Family::poissons_ratio, &FamilyInfo::family);
@@ -208,7 +208,7 @@ void read_modulus(Record& r, SceneFile& s) {
   s.definition.of_modulus = true;
 }
 
-/// Every record's key and how it is read.
+/// The keys of all records, and the functions that read them.
 constexpr Reader readers[] = {
     {"guid", [](Record& r, SceneFile& s) { s.guid = r.word(); }},
     {"counts", read_counts},
@@ -272,7 +272,7 @@ constexpr Reader readers[] = {
     {"threads", [](Record& r, SceneFile& s) { s.threads = r.integer(1, 64); }},
 };
 
-/// Checks the first line and returns what follows it.
+/// Checks the first line and returns the text after it.
 std::string_view checked_body(std::string_view text) {
   const std::size_t end = text.find('\n');
   Record head(text.substr(0, end), 1);
@@ -311,7 +311,7 @@ void check_complete(const SceneFile& s) {
     throw SceneFileError("resources/scene.txt: the method does not support free bodies; wanted auto, leapfrog or sdirk2");
 }
 
-/// Equally; of a solid by the nodes' parts of the volume, which on a face makes a uniform traction.
+/// Distributes loads over their points: equally, or in a solid by the nodes' volume fractions, which make a uniform traction on a face.
 void distribute_loads(SceneFile& s) {
   Scalars weights = Scalars::Ones(count(s));
   if (s.definition.solid()) weights = lobatto::volume_fractions(s.definition.lattice);
@@ -322,7 +322,7 @@ void distribute_loads(SceneFile& s) {
   }
 }
 
-/// Planes are to meet these samples of the surface.
+/// Makes planes meet the samples of the surface, if there are any.
 void take_samples(SceneFile& s) {
   const auto refuse = [](const std::string& what) { throw SceneFileError("resources/scene.txt: " + what); };
   const auto solid = [](const PlaneMotion& plane) { return plane.solid(); };

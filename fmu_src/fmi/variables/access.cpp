@@ -1,4 +1,4 @@
-/// Variables as a host sets and gets them: what its value references mean, and what it may hand over.
+/// Sets and gets variables for a host: finds the variables of value references, and checks the values that the host passes.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace softffd::fmi {
 
 namespace {
 
-/// Phases in which a variable may be set (FMI 2.0.4, section 4.2.4).
+/// Returns the phases in which a variable may be set (FMI 2.0.4, section 4.2.4).
 unsigned settable_in(const FamilyInfo& info) {
   if (info.causality == Causality::output) return 0;
   const bool any_time = info.causality == Causality::input || info.variability == Variability::tunable;
@@ -34,7 +34,7 @@ Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) 
   return *variable;
 }
 
-/// Whether there is such a method, and the scene can be run by it.
+/// True if the value stands for a method that supports the scene.
 bool Variables::method_fits(double value) const {
   if (!(value >= 1 && value <= method_count)) return false;
   const Method method = Method(int(value) - 1);

@@ -1,11 +1,11 @@
-/// Arrays of FMI 3.0: the part of Variables that puts scalars together.
+/// Arrays of FMI 3.0: the part of Variables that combines scalars into arrays.
 ///
-///   position, velocity, force    one array for all control points that the scene lists: (ni, nj, nk, 3) where they fill a box of the
-///                                lattice, in ascending order, else (points, 3)
+///   position, velocity, force    one array for all control points that the scene lists: (ni, nj, nk, 3) if they fill a box of the
+///                                lattice in ascending order, otherwise (points, 3)
 ///   taxels of a sensor           (n, m, 3)
-///   vectors                      (3) or (4); of a pose that is partly input, partly parameter, a scalar each
+///   vectors                      (3) or (4); if a pose is partly input, partly parameter, each component is a scalar
 ///
-/// Elements stand as FMI 3.0 has them, row by row: the last index runs fastest, whereas i does where the scene lists points.
+/// As FMI 3.0 requires, elements are stored row by row: the last index runs fastest. In the scene's lists of points, i runs fastest.
 #include <algorithm>
 
 #include "variables/variables.hpp"
@@ -14,7 +14,8 @@ namespace softffd::fmi {
 
 namespace {
 
-/// Points along each axis where a list of control points is a box of the lattice in ascending order; else all of them along the first.
+/// Returns the numbers of points along the axes, if a list of control points fills a box of the lattice in ascending order. Otherwise all
+/// points count along the first axis.
 std::array<int, 3> box_of(const std::vector<int>& points, const std::array<int, 3>& counts) {
   const auto at = [&](int point) { return std::array{point % counts[0], point / counts[0] % counts[1], point / counts[0] / counts[1]}; };
   const std::array<int, 3> single{int(points.size()), 1, 1}, first = at(points.front()), last = at(points.back());
@@ -47,7 +48,7 @@ std::vector<fmi2ValueReference> Variables::of_points(std::size_t row) const {
   return elements;
 }
 
-/// Are they of one instance, or cells of one grid?
+/// True if the variables belong to one instance, or to cells of one grid.
 bool Variables::together(const Variable& one, const Variable& other) const {
   const PartBinding& part = binding_of(one.info().part);
   return one.instance() == other.instance() || (part.cell && part.name(scene_, member(one)) == part.name(scene_, member(other)));

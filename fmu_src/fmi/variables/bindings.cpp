@@ -38,7 +38,7 @@ std::vector<int> planes_that(const SceneFile& s) {
   return those(s.planes, [](const auto& plane) { return plane.box() == are_boxes; });
 }
 
-/// Of planes or pins, those that are free bodies or those that are not.
+/// Returns the planes or pins that are free bodies, or those that are not.
 template <auto list, bool are_free>
 std::vector<int> free_ones(const SceneFile& s) {
   return those(s.*list, [](const auto& one) { return (one.free >= 0) == are_free; });
@@ -88,7 +88,7 @@ std::vector<int> probes_with(const SceneFile& s) {
 }
 
 std::string sensor(const SceneFile& s, int member) { return s.sensors[member]; }
-/// Those of which the largest of something is shown.
+/// Returns the probes that show the largest value of the quantity `asked`.
 template <auto asked>
 std::vector<int> largest_of(const SceneFile& s) {
   std::vector<int> members;
@@ -175,7 +175,7 @@ double* of_free(Settings& s, int k) {
   return (s.free[k].*field).data();
 }
 
-/// Families whose values go into the settings in a way of their own (Variables::apply).
+/// For families whose values are put into the settings by code of their own (Variables::apply).
 constexpr Binding spread(Family family) { return {.family = family}; }
 constexpr Binding setting(Family family, Binding::Place place, Binding::Place rate = nullptr) {
   return {.family = family, .place = place, .rate_place = rate};
@@ -273,7 +273,7 @@ constexpr std::array<Binding, family_count> bindings{
     output(Family::solver_contacts_resolved, [](const Observed& o, int, int) { return double(o.body.readings().contacts_resolved()); }),
     output(
         Family::solver_stable_step, [](const Observed& o, int, int) { return o.body.readings().stable_step(); },
-        [](const Observed&, int, int) { return 0.0; }),  // costs as much as a step, and nobody extrapolates it
+        [](const Observed&, int, int) { return 0.0; }),  // 0, because a stable step costs as much as a step and is not extrapolated
     output(Family::solver_folded_cells, [](const Observed& o, int, int) { return double(o.body.readings().folded_cells()); }),
     output(Family::solver_error_estimate, [](const Observed& o, int, int) { return o.estimate->value(); }),
     setting(Family::body_force, of_free<&FreeLoad::force>, of_free<&FreeLoad::force_rate>),

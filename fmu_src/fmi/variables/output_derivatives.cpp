@@ -1,4 +1,4 @@
-/// Derivatives of outputs: the part of Variables that looks from one communication point to the next.
+/// Derivatives of outputs: the part of Variables that compares successive communication points.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -24,7 +24,7 @@ void Variables::get_output_derivatives(const fmi2ValueReference* references, std
   }
 }
 
-/// Outputs that the next step wants to know too are read once: an energy costs as much as the springs' forces, a stable step more.
+/// Returns an output. Outputs that the next step needs too are read once: an energy costs as much as the spring forces, a stable step more.
 double Variables::read(const Variable& variable, const Observed& observed) {
   const Binding& binding = bindings[variable.row];
   const auto now = [&] {

@@ -16,7 +16,7 @@ void replace(std::string& text, std::string_view placeholder, const std::string&
   if (at != text.npos) text.replace(at, placeholder.size(), value);
 }
 
-/// With letters, digits and underscores only.
+/// Returns a name with letters, digits and underscores only.
 std::string flat(std::string text) {
   text.erase(std::remove(text.begin(), text.end(), ']'), text.end());
   std::replace_if(text.begin(), text.end(), [](char c) { return c == '.' || c == '[' || c == ','; }, '_');
@@ -103,7 +103,7 @@ void Variables::reset() {
   forget_seen();
 }
 
-/// The components of a pose that are of this row: of inputs those that the scene names, of parameters the others.
+/// Chooses the components of poses that belong to this row: if it has inputs, those that the scene names; if parameters, the others.
 void Variables::choose(std::size_t row) {
   const FamilyInfo& info = families[row];
   const std::vector<int>& list = members(info.part);
@@ -161,7 +161,7 @@ void Variables::set_tolerance(double tolerance) {
   values_.changed = true;
 }
 
-/// Forces of points and loads, or their rates, on the control points, or on the nodes of a solid.
+/// Distributes the forces on points and the loads, or their rates, over the control points, or over the nodes of a solid.
 void Variables::spread(const Table& table, Points& force) const {
   force.setZero();
   const auto& points = members(Part::forces);
@@ -173,7 +173,7 @@ void Variables::spread(const Table& table, Points& force) const {
   }
 }
 
-/// The rate of a pose, where one is given, is the velocity; components that are no inputs keep theirs.
+/// Sets velocities to the rate of a pose, if one is given. Components that are not inputs keep their velocities.
 template <class Motions>
 void Variables::follow_pose(Family pose, Motions& moved) const {
   const std::size_t row = row_of(pose);
@@ -190,7 +190,7 @@ void Variables::follow_pose(Family pose, Motions& moved) const {
   }
 }
 
-/// They hold the points that the start of the body turns; free ones come along with it.
+/// Moves pins along with the initial pose of the body: pins that are not inputs, if the body starts turned, and frames of free bodies.
 void Variables::take_pins_along(Settings& settings) const {
   for (std::size_t a = 0; a < scene_.pins.size(); ++a)
     if (!scene_.pins[a].moved_by_input && (scene_.rotation || is_free(scene_.definition, int(a))))
@@ -218,7 +218,7 @@ bool Variables::apply(Settings& settings) {
   return std::exchange(values_.material_changed, false);
 }
 
-/// Most runs have no rates: what is 0 is not made 0 again.
+/// Most runs have no rates. Rates that are 0 already are not set to 0 again.
 void Variables::spread_forces(Settings& settings) {
   if (count(row_of(Family::force)) + count(row_of(Family::load)) == 0) return;
   spread(values_.numbers, settings.force.change());

@@ -133,7 +133,7 @@ void FreeRows::stick(const std::vector<Handles>& handles, const std::vector<Vec3
   for (std::size_t a = 0; a < n; ++a) Eigen::Map<Eigen::Vector4d>(&columns[4 * a]) << away[a], 0;
   solve(columns.data());
   for (std::size_t a = 0; a < n; ++a) forces[a] = -Vec3(columns[4 * a], columns[4 * a + 1], columns[4 * a + 2]);
-  std::vector<std::vector<Handle>> responses(bodies);  // G^-1 times the columns of `share` and `arm`
+  std::vector<std::vector<Handle>> responses(bodies);  // G^-1 times the columns of `weight` and `arm`
   for (std::size_t k = 0; k < bodies; ++k) {
     for (std::size_t a = 0; a < n; ++a) {
       const Handle own = handle_on(int(k), handles[a]);

@@ -27,7 +27,7 @@ struct SurfaceRow {
   auto operator<=>(const SurfaceRow&) const = default;
 };
 
-/// How a row acts on a free body: s (`share`) and r (`arm`) of the formulas above.
+/// How a row acts on a free body: s (`weight`) and r (`arm`) of the formulas above.
 struct Handle {
   int body = -1;
   double weight = 0;

@@ -25,7 +25,7 @@ struct Segment {
 struct Part {
   double begin = 0, end = 1;
   Vec3 out = Vec3::Zero();
-  void cut(double at, double slope, double most) {  // |at + share slope| <= most
+  void cut(double at, double slope, double most) {  // |at + fraction slope| <= most
     if (slope == 0) {
       if (std::abs(at) > most) end = -1;
       return;

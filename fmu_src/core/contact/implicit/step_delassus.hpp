@@ -1,5 +1,4 @@
-/// The Delassus operator of contact constraints (rows) in the metric of the matrix A of an implicit step: how far a force at one sample
-/// moves another sample.
+/// The Delassus operator of contact constraints (rows) in the metric of an implicit step's matrix A: how a force at a sample moves another.
 ///
 /// A force f at sample t moves the body by Z_t f, with Z_t = A^-1 (W_t (x) I), which takes three solutions with A. It moves sample s by
 /// G_st f. G_st has 3 x 3 numbers because A, unlike masses, depends on directions:
@@ -71,7 +70,7 @@ class StepDelassus {
   struct Response {
     int sample;
     std::array<Points, 3> moved;              ///< by a unit force along each axis [m/N]
-    std::vector<Eigen::Matrix3d> compliance;  ///< G with the samples of earlier responses and with its own sample
+    std::vector<Eigen::Matrix3d> compliance;  ///< G with the samples of earlier and its own response, by the motion due to the later sample
   };
   const Response& response(int s);
   void add_compliance(Response& made);

@@ -36,7 +36,7 @@ void StepMatrix::factor(const StepProblem& problem, bool count) {
   if (!problem.parts.empty()) condense(problem);
 }
 
-/// Eliminates all other points. With u = y - Z d for them, y = K^-1 b, Z = K^-1 F, the unknowns d of the parts obey
+/// Eliminates all other points. With u = y - Z d for them, y = A^-1 b, Z = A^-1 F, the unknowns d of the parts obey
 /// (S - F' Z) d = B' b - F' y.
 void StepMatrix::condense(const StepProblem& problem) {
   parts_ = problem.parts;

@@ -49,7 +49,7 @@ class SurfaceStage {
   bool hold(const std::vector<Vec3>& away);
   /// Does the same beside free bodies, for rows on any planes and without the factor of their normal forces.
   bool hold_free(const std::vector<Vec3>& away);
-  /// slip: of a row at y0, relative to where it would be if it stuck. On success `rows` and `share` are those of the rows active now.
+  /// slip: of a row at y0, relative to where it would be if it stuck. On success `rows` and `fraction` are those of the rows active now.
   StepStatus solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
   const Vec3& force(int t) const { return force_[t]; }  ///< of an active row
   bool added() const { return added_; }                 ///< a row has become active that was not before
