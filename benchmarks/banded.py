@@ -1,4 +1,4 @@
-"""The baseline of an implicit step: M / h^2 + K of the springs as they are, assembled by numpy, solved by SciPy's banded Cholesky."""
+"""The baseline of an implicit step: M / h^2 + K of the springs at the start, assembled in numpy, solved by SciPy's banded Cholesky."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from validation.resolved import resolved
 
 
 class Banded:
-    """A scene of springs alone at its start: where the matrix has entries is found once."""
+    """A scene of springs alone at its start. The sparsity pattern of the matrix is found once."""
 
     def __init__(self, scene: Scene, h: float):
         parts = resolved(scene)
@@ -29,7 +29,7 @@ class Banded:
         self._shape = band + 1, size
 
     def solve(self) -> np.ndarray:
-        """The displacement (3 n,) [m] that the springs' forces make in a step, linearised."""
+        """Returns the linearised displacement (3 n,) [m] that the spring forces cause in a step."""
         body = self.body
         a, b = body.pairs.T
         way = self.x[b] - self.x[a]

@@ -2,10 +2,10 @@
 
     python3 python/run.py bench [--quick] [--only TEXT ...] [--library FILE] [-o FILE.json] [--picture FILE.png] [--page FILE.md]
 
-A column for every instruction set of the processor, each in a process of its own, on one core; with --quick the widest alone; with
---library one more, for another library, such as the release's. A ratio is
-the median of those of several repetitions, own time by the baseline's right after it, in processor time; behind it half the range of its
-quartiles. Everything is kept in softffd-bench/bench.json, whole or not at all.
+The table has a column for every instruction set of the processor, each measured in a separate process on one core. --quick measures the
+widest set alone; --library adds a column for another library, such as that of the release. A ratio is the median over several repetitions
+of the program's processor time divided by that of the baseline measured right after. Half the range of the quartiles follows the ratio.
+All results are written to softffd-bench/bench.json, completely or not at all.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ FILE = Path("softffd-bench") / "bench.json"
 
 
 def main() -> int:
-    """Measures, prints the table, keeps it."""
+    """Measures the rows, prints the table and writes the results."""
     options = parsed()
     if options.column:
         return column.serve(options.column, options.library, quick=options.quick)
@@ -75,12 +75,12 @@ def parsed() -> argparse.Namespace:
     parser.add_argument("-o", dest="output", type=Path, default=FILE, metavar="FILE.json", help=f"{FILE} by default")
     parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw what the parts of a scene cost")
     parser.add_argument("--page", type=Path, metavar="FILE.md", help="put the table in the place of the one there")
-    parser.add_argument("--column", help=argparse.SUPPRESS)  # such a process measures for this program
+    parser.add_argument("--column", help=argparse.SUPPRESS)  # for the processes that measure on behalf of this program
     return parser.parse_args()
 
 
 def measure(chosen: list[Row], sets: list[str], library: Path | None, *, quick: bool) -> list[dict[str, Any]]:
-    """Row by row, in every column; what does not depend on the instruction set in the first alone."""
+    """Measures each row in every column, or in the first column alone if the row does not depend on the instruction set."""
     found: list[dict[str, Any]] = []
     with column.Columns(sets, library, quick=quick) as columns, ProgressLine("measuring") as line:
         line.say("\n".join(table.head(sets)))

@@ -1,4 +1,4 @@
-"""The scenes that are measured: boxes of springs, of one metre, a sixty-fourth of a kilogram each point."""
+"""The measured scenes: boxes of springs with a side of one metre and a sixty-fourth of a kilogram per point."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any
 from softffd.scene.scene import Scene, scene_from
 
 STEP = 1e-4
-"""Internal step [s]."""
+"""Internal step [s]"""
 
 
 def box(side: int = 4, method: str = "leapfrog", **sections: Any) -> Scene:
-    """A box of side x side x side points that vibrates; nothing in it but springs, but for what is given by section."""
+    """Returns a vibrating box of side x side x side points with springs alone, and further sections as given."""
     parts: dict[str, Any] = {
         "lattice": {"points": [side] * 3, "basis": "bspline" if side > 4 else "bezier"},
         "mass": {"total": side**3 / 64},

@@ -1,4 +1,4 @@
-"""A process for each instruction set, which measures the rows that it is asked for: the library chooses its loops when it is loaded."""
+"""A process for each instruction set, which measures rows on request. The library chooses its loops when it is loaded."""
 
 from __future__ import annotations
 
@@ -19,14 +19,16 @@ from softffd.errors import SoftffdError
 BENCH = Path(__file__).resolve().parent / "bench.py"
 NATIVE = BENCH.parents[1] / "build" / "native" / "build.ninja"
 OTHER = "other library"
-"""The column of a library that is given by its file, with the widest instructions."""
+"""Name of the column of a library given by its file, with the widest instructions"""
 NUMBA = {"avx2": "haswell", "baseline": "x86-64"}
-"""What numba calls a processor that has these instructions and no wider ones."""
+"""numba's name of a processor that has these instructions and no wider ones"""
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
 
 
 def instruction_sets() -> list[str]:
-    """Those of this processor that the library has loops for, the widest first; where they are not known, what it takes by itself."""
+    """Returns the instruction sets of this processor for which the library has loops, the widest first.
+
+    If the sets are not known, the only name is "widest", the library's own choice."""
     table = Path("/proc/cpuinfo")
     flags = re.search(r"^flags\s*:(.*)$", table.read_text(), re.MULTILINE) if table.is_file() else None
     if not flags or os.uname().machine != "x86_64":
@@ -36,21 +38,21 @@ def instruction_sets() -> list[str]:
 
 
 def compiler(library: Path) -> str | None:
-    """What made a library, where that stands in it."""
+    """Returns the compiler that a library file names, or None."""
     said = re.search(rb"GCC: \([^)]*\) [\d.]+|(?:zig|clang) version [\w.]+", library.read_bytes())
     return said[0].decode() if said else None
 
 
 def build() -> dict[str, Any]:
-    """What made the library that is measured, and with which flags, as far as it is known."""
+    """Returns the compiler and the flags of the measured library, as far as known."""
     flags = re.search(r"^  FLAGS = (.*)$", NATIVE.read_text(), re.MULTILINE) if NATIVE.is_file() else None
     counting = [word for word in flags[1].split() if re.match("-(O|f(?!file)|m|std)", word)] if flags else None
     return {"compiler": compiler(installed.host_library()), "flags": " ".join(dict.fromkeys(counting)) if counting else None}
 
 
 def environment(name: str) -> dict[str, str]:
-    """Of a column's process: the library and numba's baselines have the same instructions. numba adds the processor's own features to a
-    name unless it is told that there are none."""
+    """Returns the environment of a column's process, in which the library and numba's baselines use the same instructions. numba adds the
+    features of the processor to a name unless the environment states that there are none."""
     kept = {key: value for key, value in os.environ.items() if key != "SOFTFFD_INSTRUCTIONS"} | ONE_THREAD
     if name not in ("widest", OTHER):
         kept["SOFTFFD_INSTRUCTIONS"] = name
@@ -58,20 +60,20 @@ def environment(name: str) -> dict[str, str]:
 
 
 def serve(name: str, library: Path | None, *, quick: bool) -> int:
-    """Measures the rows whose names come in, a line each, until there are no more; in the other library's column with that one."""
+    """Measures the rows whose names are read from stdin, a line each, until its end. The column OTHER measures `library`."""
     if name == OTHER:
         installed.host_library = lambda: library.resolve()
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # what others print is not for the table
+    os.dup2(2, 1)  # output of other code must not enter the answers
     for line in sys.stdin:
         print(json.dumps(measure(ROWS[line.strip()], quick=quick)), file=answers, flush=True)
     return 0
 
 
 class Columns:
-    """The processes. Use as a context manager."""
+    """The measuring processes by column. Use as a context manager."""
 
     def __init__(self, sets: list[str], library: Path | None, *, quick: bool):
         self._processes = {name: self._begun(name, library, quick) for name in sets}
@@ -81,10 +83,10 @@ class Columns:
         words = ["--quick"] * quick + (["--library", str(library)] if library else [])
         command = [sys.executable, str(BENCH), "--column", name, *words]
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
-        return subprocess.Popen(command, env=environment(name), start_new_session=True, **pipes)  # which Ctrl-C does not reach
+        return subprocess.Popen(command, env=environment(name), start_new_session=True, **pipes)  # unreachable for Ctrl-C
 
     def measure(self, name: str, row: str) -> dict[str, Any]:
-        """What the column comes to; SoftffdError where its process has ended."""
+        """Returns the result of a row in a column. Raises SoftffdError if the process of the column has ended."""
         process = self._processes[name]
         with contextlib.suppress(BrokenPipeError):
             print(row, file=process.stdin, flush=True)

@@ -4,9 +4,9 @@
     python benchmarks/cost_map.py --tau 1e-4 --only rests drops           # damped columns and these kinds alone
     python benchmarks/cost_map.py --tau 1e-4 --page docs/measurements.md  # and in place of the table in this page
 
-A cube of 0.1 m and 0.5 kg runs for 0.05 s in communication steps of 10 ms. A cell tells how many times faster than real time it is, in
-processor time, its internal steps, and "!" where a warning is given; bold are cells slower than real time or refused. Steps are the same on
-every machine, times are not: below the table stands what a bare explicit step costs in the same run.
+A cube of 0.1 m and 0.5 kg runs for 0.05 s in communication steps of 10 ms. A cell shows how many times faster than real time the run is,
+in processor time, the number of internal steps, and "!" if there is a warning. Cells slower than real time or refused are bold. Steps are
+the same on every machine, times are not; the cost of a bare explicit step in the same run is therefore printed below the table.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ from softffd import FmuError, Simulation
 from softffd.scene.scene import Scene, scene_from
 
 SIDE, MASS = 0.1, 0.5
-"""m, kg"""
+"""Side [m] and mass [kg] of the cube"""
 STOP, COMMUNICATION_STEP = 0.05, 0.01
-"""s"""
+"""Duration of a run and communication step [s]"""
 STIFFNESSES, DAMPINGS = (1e3, 1e5, 1e7), (0.0, 1e-4)
-"""N/m, s"""
+"""Stiffnesses [N/m] and internal damping times [s]"""
 LIMIT = 25.0
-"""Processor time [s] after which a cell is given up at a communication point"""
+"""Processor time [s] after which a cell is abandoned at a communication point"""
 SQUARES = 6
-"""A side of each face of the surface"""
+"""Squares along a side of each face of the surface"""
 TIMES_ITS_NEIGHBOUR = 10.0
 
 
@@ -55,7 +55,7 @@ class Kind:
 
 @dataclass(frozen=True)
 class Cell:
-    """What a scene has cost; `finished` is false where it was given up or a step of it refused."""
+    """The cost of a scene. `finished` is false if the run was abandoned or a step was refused."""
 
     seconds: float
     steps: int
@@ -100,7 +100,7 @@ KINDS = {
 
 
 def main() -> None:
-    """Prints the table, and writes it into the page that is named."""
+    """Prints the table, and writes the table into the page given by --page."""
     options = parsed()
     kinds = [name for name in KINDS if not options.only or any(text in name for text in options.only)]
     columns = list(product(options.stiffness, options.tau))
@@ -132,18 +132,18 @@ def head(columns: list[tuple[float, float]]) -> list[str]:
 
 
 def column_words(column: tuple[float, float]) -> str:
-    """Stiffness and internal damping: "1e3, tau 1e-4"."""
+    """Returns stiffness and internal damping as text: "1e3, tau 1e-4"."""
     stiffness, tau = map(number_words, column)
     return f"{stiffness}, tau {tau}" if column[1] else stiffness
 
 
 def number_words(number: float) -> str:
-    """ "1e3" for 1000."""
+    """Returns a number as short text: "1e3" for 1000."""
     return re.sub(r"e([+-])0*", lambda sign: "e" + sign[1].strip("+"), f"{number:.0e}")
 
 
 def measured(kind: Kind, stiffness: float, tau: float) -> Cell:
-    """Runs a scene until its end or until it is given up. stiffness [N/m]; tau: internal damping [s]."""
+    """Runs a scene to its end, or until the run is abandoned or refused. stiffness: [N/m]; tau: internal damping [s]."""
     with warnings.catch_warnings(), Simulation(scene_of(kind, stiffness, tau)) as simulation:
         warnings.simplefilter("ignore")
         began, seconds = time.process_time(), 0.0
@@ -172,7 +172,7 @@ def scene_of(kind: Kind, stiffness: float, tau: float) -> Scene:
 
 @cache
 def cube_folder() -> tempfile.TemporaryDirectory[str]:
-    """With `cube.obj`, a cube of 1 m, each face of SQUARES^2 squares. It goes with the program."""
+    """Returns a folder with `cube.obj`, a cube of 1 m with SQUARES^2 squares per face. The folder is removed when the program ends."""
     index: dict[tuple[int, ...], int] = {}
     faces = [[index.setdefault(corner, len(index) + 1) for corner in square] for square in squares()]
     lines = [f"v {' '.join(f'{x / SQUARES:.9g}' for x in corner)}" for corner in index]
@@ -183,7 +183,7 @@ def cube_folder() -> tempfile.TemporaryDirectory[str]:
 
 
 def squares() -> Iterator[list[tuple[int, ...]]]:
-    """Corners of each square of a cube's surface, counterclockwise from outside, in units of a square's side."""
+    """Yields the corners of each square of a cube's surface, counterclockwise from outside, in units of a square's side."""
     for axis, place, i, j in product(range(3), (0, SQUARES), range(SQUARES), range(SQUARES)):
         corners = []
         for u, v in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
@@ -194,7 +194,7 @@ def squares() -> Iterator[list[tuple[int, ...]]]:
 
 
 def bare_step(side: int) -> float:
-    """Processor time [s] of an explicit step of springs alone."""
+    """Returns the processor time [s] of an explicit step of springs alone."""
     count = steps_of(side)
     with Simulation(box(side)) as simulation:
         simulation.step(count * STEP)
@@ -204,7 +204,7 @@ def bare_step(side: int) -> float:
 
 
 def beside_neighbours(found: dict[str, list[Cell]], columns: list[tuple[float, float]]) -> Iterator[str]:
-    """A line for each cell that takes more than ten times as long as one of the next stiffness, or of the other damping."""
+    """Yields a line for each cell that takes more than ten times as long as a cell of the next stiffness, or of the next damping."""
     stiffnesses, dampings = (sorted(set(values)) for values in zip(*columns, strict=True))
     place = {column: (stiffnesses.index(column[0]), dampings.index(column[1])) for column in columns}
     for name, cells in found.items():
@@ -216,7 +216,7 @@ def beside_neighbours(found: dict[str, list[Cell]], columns: list[tuple[float, f
 
 
 def write(page: Path, lines: list[str]) -> None:
-    """Into the place of the table with the same head. Ends the program where there is none."""
+    """Replaces the table with the same head in a page. Ends the program if there is none."""
     text, count = re.subn(rf"^{re.escape(lines[0])}\n(\|.*\n)*", lambda _: "\n".join(lines) + "\n", page.read_text(), flags=re.MULTILINE)
     if not count:
         raise SystemExit(f"cost_map.py: {page}: wanted a table that begins with {lines[0]}")

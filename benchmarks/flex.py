@@ -1,4 +1,4 @@
-"""The baseline of MuJoCo: a scene's springs as the edges of a flex of dimension 1, its points on three slides each. The same equations."""
+"""The baseline of MuJoCo with the same equations: springs are edges of a flex of dimension 1, and each point moves on three slides."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MODEL = """<mujoco><option gravity="0 0 0" integrator="RK4"><flag contact="disab
 
 
 class Flex:
-    """A scene of equal springs alone, without damping."""
+    """A MuJoCo model of a scene with equal springs alone, without damping."""
 
     def __init__(self, scene: Scene):
         parts = resolved(scene)
@@ -35,7 +35,7 @@ class Flex:
         self._data = mujoco.MjData(self._model)
 
     def run(self, times: np.ndarray, steps: int) -> np.ndarray:
-        """Positions (T, n, 3) [m] at equidistant times [s], with so many steps between two."""
+        """Returns the positions (T, n, 3) [m] at equidistant times [s]. steps: number of steps between two times."""
         model, data = self._model, self._data
         model.opt.timestep = (times[1] - times[0]) / steps
         mujoco.mj_resetData(model, data)

@@ -1,10 +1,10 @@
-"""What implicit steps cost by lattice: slow motion (ros34pw2) against leapfrog on the same scene, and sliding on a plane (backward_euler).
+"""Cost of implicit steps by lattice: slow motion (ros34pw2) against leapfrog on the same scene, and sliding on a plane (backward_euler).
 
     python benchmarks/implicit_cost.py
 
-A cube of 1e6 N/m is pulled apart slowly in its fall, 0.3 s; another of 1e6 N/m slides down with friction, a communication step of 10 ms
-at a time. Processor time of whole runs without their opening; the positions of both methods are compared. Layers of up to 64 points
-have a factor, the others conjugate gradients. The last lattices take leapfrog minutes and are left out there.
+A falling cube of 1e6 N/m is pulled apart slowly for 0.3 s. Another cube of 1e6 N/m slides down with friction, in communication steps of
+10 ms. Times are processor times of whole runs without their opening; the positions of both methods are compared. Layers of up to 64 points
+use a matrix factor, larger layers use conjugate gradients. Leapfrog is left out for the last lattices, where it would take minutes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from softffd.scene.scene import scene_from
 
 LATTICES = ((4, 4, 4), (6, 6, 6), (8, 8, 8), (9, 9, 9), (12, 12, 12), (32, 32, 4), (16, 16, 16), (24, 24, 24))
 EXPLICIT_UP_TO = 1000
-"""Control points"""
+"""Most control points of a lattice that leapfrog runs"""
 GRAVITY = -9.81
 
 

@@ -1,6 +1,6 @@
-"""How things are measured: what is measured and its baseline in turn, several times over; medians and quartiles of their ratios.
+"""Measurement of the rows: the program and its baseline run in turn, several times; the results are medians and quartiles of the ratios.
 
-A row of the table is a function that prepares both and yields them:
+A row of the table is a function that prepares and yields both calls:
 
     @row("steps", "an internal step", "the same in numba", goal=0.35)
     def internal_step() -> Iterator[Pair]:
@@ -19,26 +19,26 @@ from typing import Any
 import numpy as np
 
 Call = Callable[[], Any]
-"""Does something. A number that it returns is the time [s] that it took, where not all of it counts."""
+"""A measured call. If the call returns a number, this is its time [s], for a call of which only a part counts."""
 
 LEAST, MOST, ENOUGH = 4, 25, 1.2
-"""Repetitions: at least, at most, and the time [s] after which the least is enough."""
+"""Least and most repetitions, and the time [s] after which the least number is enough"""
 
 
 class NotMeasured(Exception):
-    """Why a row has no numbers here."""
+    """Raised with the reason why a row has no numbers."""
 
 
 @dataclass(frozen=True)
 class Pair:
-    """What is measured, and its baseline."""
+    """A measured call and its baseline."""
 
     own: Call
     base: Call
     per: float = 1
-    """Pieces (steps, vertices) that a call does; times are those of one"""
+    """Pieces (steps, vertices) that a call processes; times are those of one piece"""
     per_base: float | None = None
-    """The same of the baseline, where it does another number of them"""
+    """Pieces that the baseline processes, if the number differs"""
 
 
 @dataclass(frozen=True)
@@ -50,17 +50,17 @@ class Row:
     against: str
     prepare: Callable[[], Iterator[Pair]]
     goal: float | None
-    """The ratio that is aimed at, at most"""
+    """Largest ratio that meets the goal"""
     seconds: float | None
-    """The time [s] that is aimed at, at most"""
+    """Longest time [s] that meets the goal"""
     every_set: bool
-    """Whether instruction sets make a difference"""
+    """True if the result depends on the instruction set"""
     long: bool
-    """Too long for --quick"""
+    """True if the row takes too long for --quick"""
 
 
 ROWS: dict[str, Row] = {}
-"""By name, in the order in which they are measured."""
+"""Rows by name, in the order of measurement"""
 
 
 def row(
@@ -73,7 +73,7 @@ def row(
     every_set: bool = True,
     long: bool = False,
 ) -> Callable:
-    """Makes a row of a function that yields one Pair."""
+    """Returns a decorator that makes a row of a function that yields one Pair."""
 
     def add(prepare: Callable[[], Iterator[Pair]]) -> Callable[[], Iterator[Pair]]:
         ROWS[name] = Row(group, name, against, prepare, goal, seconds, every_set, long)
@@ -83,7 +83,7 @@ def row(
 
 
 def measure(row: Row, *, quick: bool) -> dict[str, Any]:
-    """Times [s] of both by repetition, medians and quartiles; or the reason why there are none."""
+    """Returns the times [s] of call and baseline per repetition, with medians and quartiles, or the reason why there are none."""
     if quick and row.long:
         return {"missing": "left out by --quick"}
     try:
@@ -98,7 +98,7 @@ def measure(row: Row, *, quick: bool) -> dict[str, Any]:
 
 
 def _times(pair: Pair, quick: bool) -> tuple[list[float], list[float]]:
-    """Of each repetition; one more before them is for warming up."""
+    """Returns the times [s] of call and baseline in each repetition. An additional repetition before is for warming up."""
     laps: list[tuple[float, float]] = []
     began = time.perf_counter()
     while not laps or (not quick and (len(laps) <= LEAST or (len(laps) <= MOST and time.perf_counter() - began < ENOUGH))):
@@ -108,7 +108,7 @@ def _times(pair: Pair, quick: bool) -> tuple[list[float], list[float]]:
 
 
 def _taken(call: Call) -> float:
-    """Processor time [s]: what else runs on the machine does not count."""
+    """Returns the processor time [s] of a call, in which other processes of the machine do not count."""
     began = time.process_time()
     told = call()
     return told if isinstance(told, float) else time.process_time() - began
@@ -120,6 +120,6 @@ def _spread(values: np.ndarray) -> dict[str, Any]:
 
 
 def require_alike(what: str, own: np.ndarray, base: np.ndarray, most: float) -> None:
-    """A baseline that does something else is none: the largest difference [m] of what comes out has to be small."""
+    """Raises NotMeasured if the results differ by more than `most` [m], because a baseline must compute the same."""
     if not (difference := float(np.abs(own - base).max())) <= most:
         raise NotMeasured(f"{what}: the baseline comes to something else, by {difference:.1e} m")

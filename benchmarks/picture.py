@@ -1,4 +1,4 @@
-"""What the parts of a scene cost, drawn."""
+"""A picture of the cost of the parts of a scene."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from softffd.show.figure import INK, SOFT, new_figure
 
 
 def draw(document: Mapping[str, Any], path: Path) -> None:
-    """A bar for each, as long as its ratio to the bare scene, of the widest instruction set."""
+    """Draws a bar for each part. The length is the ratio to the bare scene with the widest instruction set."""
     rows = [row for row in document["rows"] if row["group"] == GROUP and row["against"] == ALONE]
     results = [next(iter(row["results"].values())) for row in rows][::-1]
     ratios = [result["ratio"]["median"] for result in results]

@@ -1,4 +1,4 @@
-"""The baseline of an internal step: leapfrog with a loop over the list of springs, as one writes it for numba."""
+"""The baseline of an internal step: leapfrog with a loop over the list of springs, as a user would write it for numba."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from validation.resolved import resolved
 
 
 class PlainSteps:
-    """A scene of springs alone, from its start on."""
+    """A run of a scene of springs alone, from its start."""
 
     def __init__(self, scene: Scene):
         parts = resolved(scene)
@@ -22,14 +22,14 @@ class PlainSteps:
         self.force = self.body.spring_force(self.x)
 
     def run(self, steps: int, h: float) -> None:
-        """So many steps of h [s]."""
+        """Makes this number of steps of h [s]."""
         body = self.body
         run(steps, h, self.x, self.v, self.force, body.pairs, body.stiffness, body.length, body.mass)
 
 
 @numba.njit
 def run(steps, h, x, v, force, pairs, stiffness, length, mass):  # type: ignore[no-untyped-def]
-    """Half a kick, drift, forces, half a kick."""
+    """Makes steps of half a kick, drift, forces, half a kick."""
     for _ in range(steps):
         for p in range(len(mass)):
             for a in range(3):
@@ -52,7 +52,7 @@ def run(steps, h, x, v, force, pairs, stiffness, length, mass):  # type: ignore[
 
 
 def steps_of(scene: Scene) -> tuple[PlainSteps, np.ndarray]:
-    """Compiled, at the start; and the positions after 50 steps (n, 3) [m], to compare with."""
+    """Returns the compiled run at its start, and the positions after 50 steps (n, 3) [m] for comparison."""
     run(0, 0.0, *(np.zeros((1, 3)) for _ in range(3)), np.zeros((1, 2), dtype=np.int64), *(np.ones(1) for _ in range(3)))
     tried = PlainSteps(scene)
     tried.run(50, 1e-4)

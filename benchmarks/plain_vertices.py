@@ -1,4 +1,4 @@
-"""The baseline of deforming vertices: a loop over the weights of each, as one writes it for numba."""
+"""The baseline of deforming vertices: a loop over the weights of each vertex, as a user would write it for numba."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 @numba.njit
 def bernstein(t: float, _n: int, weights: np.ndarray) -> int:
-    """The four weights at a place; returns the first control point that counts."""
+    """Computes the four Bernstein weights at a place t and returns the index of the first control point with a weight."""
     u = 1 - t
     weights[0], weights[1], weights[2], weights[3] = u * u * u, 3 * t * u * u, 3 * t * t * u, t * t * t
     return 0
@@ -18,7 +18,7 @@ def bernstein(t: float, _n: int, weights: np.ndarray) -> int:
 
 @numba.njit
 def bspline(t: float, n: int, weights: np.ndarray) -> int:
-    """The same of uniform cubic B-splines for n > 4."""
+    """Computes the four weights of uniform cubic B-splines for n > 4 and returns the index of the first control point with a weight."""
     wanted = t * (n - 1)
     s = min(max(wanted - 1, 0.0), n - 3.0)
     for _ in range(7 if min(wanted, n - 1 - wanted) < 3 else 1):
@@ -38,7 +38,7 @@ def bspline(t: float, n: int, weights: np.ndarray) -> int:
 
 
 def loop_with(weights_at: Callable[[float, int, np.ndarray], int]) -> Callable[..., np.ndarray]:
-    """The loop over vertices and their 64 weights."""
+    """Returns a compiled loop over vertices and their 64 weights."""
 
     @numba.njit
     def loop(rest: np.ndarray, origin: np.ndarray, size: np.ndarray, control: np.ndarray) -> np.ndarray:
@@ -63,7 +63,7 @@ def loop_with(weights_at: Callable[[float, int, np.ndarray], int]) -> Callable[.
 
 @numba.njit
 def bezier_of_all(rest: np.ndarray, origin: np.ndarray, size: np.ndarray, control: np.ndarray) -> np.ndarray:
-    """The same in a Bezier volume of any size, where every control point counts."""
+    """Returns the vertices moved by a Bezier volume of any size, in which every control point has a weight."""
     n = control.shape[0]
     binomials = np.ones(n)
     for i in range(1, n):

@@ -1,4 +1,4 @@
-"""All rows of the table, in its order."""
+"""Imports all rows, in the order of the table."""
 
 import rows_steps  # noqa: F401, I001
 import rows_parts  # noqa: F401

@@ -1,8 +1,8 @@
-"""A damped box beside an obstacle: runs by `auto` against explicit steps, for each second of run, and what a stage of SDIRK2 costs.
+"""A damped box beside an obstacle: runs by `auto` against explicit steps, per second of run, and the cost of a stage of SDIRK2.
 
-The box is 0.1 x 0.1 x 0.05 m, of 0.5 kg, 4^3 points and 1e6 N/m, or a solid; friction 0.5. A run by `auto` lasts 0.2 s. Explicit steps
-cost the same all along a run and would take up to a minute for it, so they run its first milliseconds, at whose end both have to agree
-within the tolerance.
+The box is 0.1 x 0.1 x 0.05 m, has 0.5 kg, 4^3 points and 1e6 N/m, or is a solid; friction is 0.5. A run by `auto` lasts 0.2 s. The cost of
+explicit steps is constant along a run, and the whole run would take up to a minute. Explicit steps therefore cover only the first
+milliseconds, at whose end both runs have to agree within the tolerance.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ STRETCHES = {1e-4: 4, 1e-3: 1}
 """Communication steps of the explicit runs, by internal damping [s]"""
 
 Drive = Callable[[Simulation, int], None]
-"""Sets a run's inputs for the communication step of a number"""
+"""Sets the inputs of a run for the communication step with a given number"""
 
 
 def stay(_simulation: Simulation, _number: int) -> None:
-    """Nothing to set."""
+    """Sets no inputs."""
 
 
 def press(simulation: Simulation, _number: int) -> None:
-    """The upper face, down."""
+    """Presses the upper face down."""
     simulation.load["weight"] = [0.0, 0.0, -500.0]
 
 
 def lead(simulation: Simulation, number: int) -> None:
-    """The pinned upper face: 0.2 mm down within 10 ms, and sideways by 1 mm at 20 Hz."""
+    """Prescribes the motion of the pinned upper face: 0.2 mm down within 10 ms, and sideways by 1 mm at 20 Hz."""
     begin, end = (_led_place(n * COMMUNICATION_STEP) for n in (number, number + 1))
     simulation.pin["finger"].position = begin
     simulation.pin["finger"].velocity = (end - begin) / COMMUNICATION_STEP
@@ -68,7 +68,7 @@ def scene_of(internal_damping: float, material: dict[str, Any] = SPRINGS, **sect
 
 
 def run(simulation: Simulation, method: str, drive: Drive, steps: int) -> float:
-    """Processor time [s] of so many communication steps from the start."""
+    """Returns the processor time [s] of `steps` communication steps from the start."""
     simulation.restart(method=method)
     simulation.initialize()
     began = time.process_time()
@@ -79,7 +79,7 @@ def run(simulation: Simulation, method: str, drive: Drive, steps: int) -> float:
 
 
 def of_scene(name: str, drive: Drive, goals: dict[float, float | None], **sections: Any) -> None:
-    """A row for each internal damping [s] in `goals`: the cost of a second of run, by `auto` and in explicit steps."""
+    """Adds a row for each internal damping [s] in `goals`: the cost of a second of run, by `auto` and in explicit steps."""
     for internal_damping, goal in goals.items():
 
         @row("damped contact", f"{name}, tau {1e3 * internal_damping:g} ms", "explicit steps, a second of run", goal=goal, every_set=False)
@@ -108,7 +108,7 @@ of_scene("is led by a face", lead, {1e-4: 1 / 50, 1e-3: 1 / 1000}, **LED)
 
 
 def rubber(modulus: float) -> dict[str, Any]:
-    """Sections of the same box as a solid; modulus [Pa]."""
+    """Returns the sections that make the box a solid. modulus: [Pa]."""
     return {"material": {"model": "solid", "youngs_modulus": modulus, "poissons_ratio": 0.45, "density": 1000.0}, "mass": {}}
 
 
@@ -117,7 +117,7 @@ of_scene("a solid of 7 x 7 x 4 rests", stay, {1e-3: None}, plane=PLANE, lattice=
 
 
 def explicit_step(name: str, material: dict[str, Any], **sections: Any) -> None:
-    """A row for an explicit step with an internal damping of 10 us: of a length that the program chooses, of a body that swings."""
+    """Adds a row for an explicit step with an internal damping of 10 us. The program chooses the step; the body swings from a face."""
 
     @row("damped contact", f"an explicit step, {name}", "without internal damping", goal=2.3)
     def damped() -> Iterator[Pair]:
@@ -144,7 +144,7 @@ def explicit_step(name: str, material: dict[str, Any], **sections: Any) -> None:
 
 
 def call(simulation: Simulation) -> float:
-    """Processor time [s] of a communication step of 0.2 s from the start."""
+    """Returns the processor time [s] of a communication step of 0.2 s from the start."""
     simulation.restart()
     simulation.initialize()
     began = time.process_time()
@@ -157,7 +157,7 @@ explicit_step("a solid", {"model": "solid", "youngs_modulus": 1e5, "poissons_rat
 
 
 def stage_of_size(side: int, seconds: float | None, sliding: Callable[[int, float], Scene], name: str = "") -> None:
-    """A row for a lattice whose lower face slides on a plane: half a step of SDIRK2, which has two stages."""
+    """Adds a row for a lattice whose lower face slides on a plane: half a step of SDIRK2, which has two stages."""
     h, count, touching = 1e-3, 40 if side == 4 else 3, side * side
 
     @row("damped contact", f"a stage, {name}{side}^3, {touching} touching", f"an explicit step, {side}^3", seconds=seconds)
@@ -196,7 +196,7 @@ def solid(side: int, step: float) -> Scene:
 
 
 def require_stages(simulation: Simulation, touching: int, call: Callable[[], object], steps: int) -> None:
-    """So many steps of two stages in a call, so many points in contact in each; else it is something else that is measured."""
+    """Raises NotMeasured unless a call makes `steps` steps of two stages with `touching` points in contact in each stage."""
     before = [simulation[f"solver.{what}"] for what in ("steps", "contacts_resolved")]
     call()
     taken, resolved = (simulation[f"solver.{what}"] - was for what, was in zip(("steps", "contacts_resolved"), before, strict=True))

@@ -1,4 +1,4 @@
-"""What lands in files, and what is loaded: FMUs, pictures, the package itself."""
+"""Rows for files that are written or loaded: FMUs, pictures, the package itself."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from softffd.scene.scene import scene_from
 
 @row("files", "an FMU of 32^3, all positions", "ElementTree and zipfile", every_set=False, long=True)
 def large_fmu() -> Iterator[Pair]:
-    """98,000 variables: masses, description, archive. The baseline makes the description's elements one by one, and compresses all."""
+    """98,000 variables: masses, description, archive. The baseline makes the description's elements one by one and compresses all files."""
     scene = scene_from({"lattice": {"points": [32] * 3, "basis": "bspline"}})
     with tempfile.TemporaryDirectory() as folder:
         fmu = softffd.package_fmu(scene, Path(folder) / "box.fmu")
@@ -36,7 +36,7 @@ def large_fmu() -> Iterator[Pair]:
 
 
 def made_anew(element: Xml.Element) -> Xml.Element:
-    """A copy, element by element."""
+    """Returns a copy, made element by element."""
     copy = Xml.Element(element.tag, dict(element.attrib))
     copy.text = element.text
     copy.extend([made_anew(child) for child in element])
@@ -45,7 +45,7 @@ def made_anew(element: Xml.Element) -> Xml.Element:
 
 @row("files", "a picture of a run", "matplotlib's plot_trisurf, four times", every_set=False)
 def picture() -> Iterator[Pair]:
-    """Of the car, at four moments; curves and lattice are in the first alone."""
+    """Draws the car at four moments; only the program's picture has curves and lattice."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -68,7 +68,7 @@ def picture() -> Iterator[Pair]:
 
 @row("files", "import softffd", "import numpy", every_set=False)
 def importing() -> Iterator[Pair]:
-    """Each in a new interpreter."""
+    """Imports each package in a new interpreter."""
 
     def imported(words: str) -> float:
         program = f"import time; began = time.process_time(); {words}; print(time.process_time() - began)"

@@ -1,4 +1,4 @@
-"""What a scene uses: an internal step of it against one of springs alone."""
+"""The cost of the parts of a scene: an internal step with a part against an internal step of springs alone."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ from validation import shapes
 
 GROUP, ALONE = "parts of a scene", "a step of springs alone"
 INTERVAL = 0.1
-"""The communication step [s]: a thousand internal ones, whose number hides its own cost."""
+"""Communication step [s]: a thousand internal steps, so many that the cost of the communication step itself does not count"""
 
 GRAVITY = {"environment": {"gravity": [0.0, 0.0, -9.81]}}
 AT_REST = {"initial": {"stretch": [1.0, 1.0, 1.0]}}
 SETTLING = 3.0
-"""Time [s] after which a body with this damping has come to rest on the ground."""
+"""Time [s] after which a body with the damping of SETTLES has come to rest on the ground"""
 SETTLES = {"material": {"damping": 0.3}}
 LONG = 0.1
-"""Time [s] of a run that is compared as a whole."""
+"""Duration [s] of a run that is compared as a whole"""
 SLIDING = {"velocity": [1.0, 0.0, 0.0]}
 
 
 def ground(height: float) -> dict[str, Any]:
-    """A plane, with its reaction and torque as outputs."""
+    """Returns the sections of a plane, with its reaction and torque as outputs."""
     plane = {"name": "ground", "point": [0.0, 0.0, height], "normal": [0.0, 0.0, 1.0], "friction": 0.4}
     return {"plane": [plane], "outputs": {"reactions": True}}
 
 
 def part(name: str, *, goal: float | None = None, **sections: Any) -> None:
-    """A row for a scene with these sections besides."""
+    """Adds a row for a scene with these additional sections."""
 
     @row(GROUP, name, ALONE, goal=goal)
     def with_part() -> Iterator[Pair]:
@@ -45,7 +45,7 @@ def part(name: str, *, goal: float | None = None, **sections: Any) -> None:
 
 
 def on_its_surface(name: str, body: shapes.Shape, *, goal: float | None = None, after: float = 0.0, **sections: Any) -> None:
-    """The same where a plane meets the vertices of this body, from the beginning of its run, or from a time [s] on."""
+    """Adds a row for a scene whose obstacles meet the vertices of this body, measured from the start or from a time `after` [s] on."""
 
     @row(GROUP, name, ALONE, goal=goal)
     def with_surface() -> Iterator[Pair]:
@@ -58,7 +58,7 @@ def on_its_surface(name: str, body: shapes.Shape, *, goal: float | None = None, 
 
 
 def against_a_plane(name: str, side: int, *, material: dict[str, float], **initial: Any) -> None:
-    """A row for a cube, each face of side^2 squares, on the face of a box, against one on a plane."""
+    """Adds a row for a cube with side^2 squares per face on the face of a box, against the cube on a plane."""
 
     @row(GROUP, f"{6 * side * side + 2:,} vertices {name}", "the same on a plane", goal=1.5)
     def on_a_box() -> Iterator[Pair]:
@@ -78,7 +78,7 @@ def against_a_plane(name: str, side: int, *, material: dict[str, float], **initi
 
 
 def run_through(simulation: Simulation) -> float:
-    """Processor time [s] of a run in communication steps of 10 ms."""
+    """Returns the processor time [s] of a run in communication steps of 10 ms."""
     simulation.restart()
     began = time.process_time()
     while simulation.time < LONG - 1e-9:
@@ -87,13 +87,13 @@ def run_through(simulation: Simulation) -> float:
 
 
 def on_feet() -> shapes.Shape:
-    """A body with three vertices below."""
+    """Returns a body with three vertices below."""
     below, above = [(0.2, 0.2, 0.0), (0.8, 0.25, 0.0), (0.5, 0.8, 0.0)], [(0.3, 0.3, 0.9), (0.7, 0.3, 0.9), (0.5, 0.7, 0.9)]
     return np.array(below + above), np.array([(0, 2, 1), (3, 4, 5), (0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4), (2, 0, 3), (2, 3, 5)])
 
 
 def on_a_face(side: int) -> shapes.Shape:
-    """A pyramid with side x side vertices below."""
+    """Returns a pyramid with side x side vertices below."""
     along = np.linspace(0, 1, side)
     below = np.stack([*np.meshgrid(along, along), np.zeros((side, side))], -1).reshape(-1, 3)
     number = np.arange(side * side).reshape(side, side)
@@ -104,7 +104,7 @@ def on_a_face(side: int) -> shapes.Shape:
 
 
 def lap(simulation: Simulation) -> float:
-    """Processor time [s] of the second communication step of a run, so that every repetition does the same."""
+    """Returns the processor time [s] of the second communication step of a restarted run, so that every repetition does the same."""
     simulation.restart()
     simulation.step(INTERVAL)
     began = time.process_time()

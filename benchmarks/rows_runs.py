@@ -1,4 +1,4 @@
-"""Whole runs from Python against what a user would do otherwise: fmpy's loop, a run after the other, an FMU of FMI 2.0."""
+"""Whole runs from Python against the alternatives of a user: fmpy's loop, one run after the other, an FMU of FMI 2.0."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ import softffd
 from softffd.scene.scene import scene_from
 
 STEPS = 20_000
-"""Communication steps of a run, of one internal step each."""
+"""Communication steps of a run, with one internal step each"""
 
 INPUTS = {"none": None, "a table": "table", "a function": lambda t: {"load.push.x": math.sin(9 * t)}}
 
 
 def loop_with(name: str, *, goal: float | None = None) -> None:
-    """A row for one kind of inputs; fmpy takes the function as a table."""
+    """Adds a row for one kind of inputs. fmpy gets the function as a table."""
 
     @row("runs", f"simulate, inputs: {name}", "fmpy's simulate_fmu, same FMU", goal=goal, every_set=False)
     def loop() -> Iterator[Pair]:
@@ -42,7 +42,7 @@ def loop_with(name: str, *, goal: float | None = None) -> None:
                 return fmpy.simulate_fmu(str(fmu), stop_time=stop, step_size=STEP, output_interval=STEP, input=given)
 
             own, rows = softffd.simulate(fmu, inputs=inputs), base()
-            late = 1e-3  # m: fmpy's inputs come a step later
+            late = 1e-3  # m; fmpy sets inputs a step later
             require_alike("the run", own.positions[-1, 3, 3, 3, 0], rows["position[3,3,3].x"][-1], late)
             yield Pair(lambda: softffd.simulate(fmu, inputs=inputs), base, per=STEPS)
 
@@ -53,7 +53,7 @@ loop_with("a function")
 
 
 def sweep_of(runs: int, stop_time: float, *, driven: bool) -> None:
-    """A row for a sweep of the shipped `press`, of other edge springs each time."""
+    """Adds a row for a sweep of the shipped scene `press`, with another stiffness of the edge springs in each run."""
 
     @row("runs", f"a sweep of press, {runs} runs of {stop_time:g} s{', driven' * driven}", "simulate, run by run", every_set=False)
     def sweep() -> Iterator[Pair]:
@@ -77,7 +77,7 @@ sweep_of(20, 0.2, driven=False)
 
 @row("runs", "one step of a scene, opened and closed", "fmpy's simulate_fmu of its FMU", every_set=False)
 def one_step() -> Iterator[Pair]:
-    """What a run costs beside its steps."""
+    """Measures the cost of a run beside its steps."""
     scene = softffd.load_scene("press")
     step = scene.experiment.communication_step
     with tempfile.TemporaryDirectory() as folder:
@@ -89,7 +89,7 @@ def one_step() -> Iterator[Pair]:
 
 @row("runs", "opening 16^3 in fmpy, FMI 3.0", "the same in FMI 2.0", every_set=False)
 def opening() -> Iterator[Pair]:
-    """The description read, the library loaded, an instance made."""
+    """Reads the description, loads the library and makes an instance."""
     scene = scene_from({"lattice": {"points": [16] * 3, "basis": "bspline"}, "inputs": {"forces": "all"}})
     with tempfile.TemporaryDirectory() as folder:
         unpacked = {}

@@ -1,4 +1,4 @@
-"""Internal steps: the bare one, explicit and implicit, and how its cost goes with the size of the lattice."""
+"""Bare internal steps, explicit and implicit, and their cost by the size of the lattice."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from softffd import Simulation
 from validation.mechanics import spring_list
 
 SPRING_STEPS = 8_000_000
-"""Springs times internal steps of a call."""
+"""Springs times internal steps of a call"""
 
 
 def steps_of(side: int) -> int:
-    """In a call; in one communication step, whose own cost is then not seen."""
+    """Returns the internal steps of a call, all in one communication step, so that the cost of the communication step itself vanishes."""
     return max(1, round(SPRING_STEPS / springs(side)))
 
 
@@ -30,7 +30,7 @@ def springs(side: int) -> int:
 
 @row("steps", "an explicit step, 4^3", "numba, a loop over the springs", goal=0.35)
 def internal_step() -> Iterator[Pair]:
-    """Of 4 x 4 x 4 points."""
+    """Measures a lattice of 4 x 4 x 4 points."""
     from plain_step import steps_of as plain_steps_of
 
     scene, count = box(), steps_of(4)
@@ -42,7 +42,7 @@ def internal_step() -> Iterator[Pair]:
 
 
 def of_size(side: int, goal: float | None = None) -> None:
-    """A row for a lattice: the cost of a spring."""
+    """Adds a row for a lattice: the cost of a spring."""
 
     @row("steps", f"a spring of {side}^3, each step", "a spring of 4^3", goal=goal)
     def spring() -> Iterator[Pair]:
@@ -64,7 +64,7 @@ SOLID: dict[str, Any] = {
 
 
 def of_solid(side: int, goal: float) -> None:
-    """A row for a solid of side x side x side points: an explicit step against that of springs."""
+    """Adds a row for a solid of side x side x side points: an explicit step against an explicit step of springs."""
 
     @row("steps", f"an explicit step of a solid, {side}^3", "of springs", goal=goal)
     def solid() -> Iterator[Pair]:
@@ -79,11 +79,11 @@ of_solid(16, goal=1.25)
 
 
 def of_two_threads(name: str, together: int, goal: float | None = None) -> None:
-    """A row for 32^3 points with two threads: 100 internal steps, so many of them in a communication step."""
+    """Adds a row for 32^3 points with two threads: 100 internal steps, with `together` of them in a communication step."""
 
     @row("steps", name, "with one thread, wall time", goal=goal)
     def two_threads() -> Iterator[Pair]:
-        """On two processors: there is nothing to measure on one."""
+        """Needs two processors; with one processor there is nothing to measure."""
         with all_processors(2), Simulation(box(32, solver={"threads": 2})) as two, Simulation(box(32)) as one:
             for each in (one, two):
                 each.step(STEP)
@@ -103,7 +103,7 @@ def wall_time(simulation: Simulation, steps: int, length: float) -> float:
 
 @contextmanager
 def all_processors(least: int) -> Iterator[None]:
-    """For this process, which else has one."""
+    """Lets this process use all processors instead of one. Raises NotMeasured if there are fewer than `least`."""
     if not hasattr(os, "sched_setaffinity") or (os.cpu_count() or 1) < least:
         raise NotMeasured(f"wants {least} processors")
     before = os.sched_getaffinity(0)
@@ -117,8 +117,8 @@ def all_processors(least: int) -> Iterator[None]:
 
 
 def implicit_of_size(side: int, **material: Any) -> None:
-    """Rows for a lattice: of springs assembly, factor and solutions, against the explicit step and SciPy; of a solid solutions alone, since
-    its steps go on with the matrix of the steps before."""
+    """Adds rows for a lattice against the explicit step and SciPy. An implicit step of springs includes assembly, factor and solutions; a
+    step of a solid, which is compared with the explicit step only, has solutions alone because it reuses the matrix of earlier steps."""
     h, count, of_solid = 1e-3, 40 if side == 4 else 3, " of a solid" * bool(material)
 
     def simulation() -> Simulation:

@@ -1,4 +1,4 @@
-"""Deforming vertices from Python, checks included, against a plain loop over the weights that are not zero."""
+"""Deforming vertices from Python, including checks, against a plain loop over the nonzero weights."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ORIGIN, SIZE = np.array([-1.0, 2.0, 0.5]), np.array([2.0, 0.7, 1.3])
 
 
 def compared(plain: Callable[..., np.ndarray], side: int, basis: str, count: int, *, of_base: int | None = None) -> Pair:
-    """Vertices at random in a box whose control points stand anywhere; the plain loop does the first `of_base` of them."""
+    """Returns the pair for random vertices in a box with random control points. The plain loop deforms the first `of_base` vertices."""
     rng = np.random.default_rng(0)
     rest, control = ORIGIN + SIZE * rng.random((count, 3)), rng.random((side, side, side, 3))
     few = rest[: of_base or count]

@@ -1,4 +1,4 @@
-"""The shipped scene free_vibration to an error, with the loosest setting that keeps it, against other solvers to the same error."""
+"""The shipped scene free_vibration to a given error, with the loosest sufficient setting, against other solvers to the same error."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ TOLERANCES = tuple(10.0**-n for n in range(1, 12))
 
 @contextmanager
 def judged() -> Iterator[tuple[Rig, Reference]]:
-    """The scene with its communication steps, and what it should come to."""
+    """Yields the scene with its communication steps, and the reference result."""
     with Rig(softffd.load_scene("free_vibration")) as rig:
         yield rig, reference()
 
 
 @cache
 def reference() -> Reference:
-    """Made once."""
+    """Returns the reference result, which is computed once."""
     with Rig(softffd.load_scene("free_vibration")) as rig:
         return find_reference(rig, quick=True)
 
 
 def loosest(settings: Any, run: Callable[[Any], np.ndarray], rig: Rig, expected: Reference, level: float) -> Any:
-    """The first setting whose largest error, relative to the box, is at most `level`."""
+    """Returns the first setting whose largest error, relative to the box, is at most `level`. Raises NotMeasured if there is none."""
     for setting in settings:
         if expected.errors(run(setting), rig.side).max() <= level:
             return setting
@@ -40,7 +40,7 @@ def loosest(settings: Any, run: Callable[[Any], np.ndarray], rig: Rig, expected:
 
 
 def own_run(rig: Rig, expected: Reference, level: float) -> Callable[[], float]:
-    """Runs by `auto`, which tell the smallest time of three without opening."""
+    """Returns a call that runs `auto` and returns the smallest time [s] of three runs without opening."""
     tolerance = loosest(TOLERANCES, lambda tolerance: rig.run(Setting("auto", tolerance=tolerance)).positions, rig, expected, level)
 
     def run() -> float:

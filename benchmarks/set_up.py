@@ -2,8 +2,8 @@
 
     python3 benchmarks/set_up.py COMMIT [--suite]
 
-Clones the folder's last commit and COMMIT, and runs `python3 python/run.py info press` in both, one after the other, without ccache; with
---suite `python3 python/run.py test` too. Prints a line for each: processor time of all processes, and elapsed time.
+The program clones the folder's last commit and COMMIT, and runs `python3 python/run.py info press` in both, one after the other, without
+ccache; with --suite also `python3 python/run.py test`. It prints a line for each: processor time of all processes, and elapsed time.
 """
 
 import argparse
@@ -38,14 +38,14 @@ def main() -> int:
 
 
 def clone(commit: str, place: Path) -> Path:
-    """The sources of a commit in a folder of their own."""
+    """Clones the sources of a commit to a folder and returns the folder."""
     subprocess.run(["git", "clone", "-q", ROOT, place], check=True)
     subprocess.run(["git", "-C", place, "checkout", "-q", "--detach", "origin/HEAD" if commit == "HEAD" else commit], check=True)
     return place
 
 
 def measured(place: Path, command: tuple[str, ...]) -> tuple[float, float]:
-    """Processor and elapsed time [s] of a command of run.py; its output goes to a file beside. Ends the program where it fails."""
+    """Returns processor and elapsed time [s] of a command of run.py, whose output goes to a file. Ends the program if the command fails."""
     before, begin = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
     log = place.with_suffix(f".{command[0]}.log")
     with log.open("w") as stream:

@@ -1,11 +1,11 @@
-"""What springs and solids are worth by their points a side: a clamped cube's deflections against elasticity, and a pressed pad's force.
+"""Accuracy of springs and solids by points per side: deflections of a clamped cube against elasticity, and the force of a pressed pad.
 
     python benchmarks/solid.py                                # the tables
     python benchmarks/solid.py docs/materials.md                # and in place of those in this page
 
-The cube is pinned at x = 0 and loaded so little that it is linear; implicit steps take springs to rest, drag a solid. The reference,
-`tests/data/solid.json`, is a finite-element solution with nothing of this program in it. The pad is a cube of 20 mm of 1 MPa between plates
-of friction 0.8, pressed to nine tenths of its height in half a second and held.
+The cube is pinned at x = 0 and loaded so little that it is linear. Implicit steps take springs to rest, drag takes a solid to rest. The
+reference, `tests/data/solid.json`, is a finite-element solution made without this program. The pad is a cube of 20 mm of 1 MPa between
+plates of friction 0.8, pressed to nine tenths of its height in half a second and held.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from softffd.scene.scene import scene_from
 
 REFERENCE = json.loads((Path(__file__).resolve().parents[1] / "tests" / "data" / "solid.json").read_text())
 LOADS = {"end pull": 0, "own weight along": 0, "end shear": 2, "own weight across": 2}
-"""The axis along which each acts"""
+"""Loads with the axis along which each acts"""
 POINTS = (4, 7, 13)
 SOLID_POINTS, RATIOS = (4, 7, 10), (0.25, 0.45, 0.49)
 PAD_POINTS = (4, 5, 7, 10, 13)
 MODULUS, DENSITY, SMALL = 1e6, 1e3, 1e-6
-"""Pa, kg/m3; the load by the modulus: strains are as small"""
+"""Modulus [Pa], density [kg/m3], and load by modulus, which is also the size of the strains"""
 SIDE = 0.02
-"""m, of the pad"""
+"""Side of the pad [m]"""
 
 
 def main() -> None:
-    """Prints the tables, and writes them into the pages that are named."""
+    """Prints the tables, and writes the tables into the pages named on the command line."""
     tables = [deflections(), solid_deflections(), pads()]
     print("\n\n".join(tables))
     for page in map(Path, sys.argv[1:]):
@@ -46,7 +46,7 @@ def main() -> None:
 
 
 def deflections() -> str:
-    """Errors of the mean tip displacement, a line a load."""
+    """Returns a table of the errors of the mean tip displacement of springs, with a line per load."""
     lines = ["| load | " + " | ".join(f"{n} points a side" for n in POINTS) + " |", "|---" * (1 + len(POINTS)) + "|"]
     for load in LOADS:
         lines.append(_line(load, [100 * error(n, load) for n in POINTS]))
@@ -54,12 +54,12 @@ def deflections() -> str:
 
 
 def _line(name: str, errors: list[float]) -> str:
-    """Two digits of each, and no minus before a zero."""
+    """Returns a line of errors [%] with two digits each and no minus before a zero."""
     return f"| {name} | " + " | ".join(f"{e:.1f} %" if abs(e) >= 1 else f"{round(e, 2) + 0.0:.2f} %" for e in errors) + " |"
 
 
 def solid_deflections() -> str:
-    """The same of solids, a line a load and Poisson's ratio."""
+    """Returns a table of the errors of the mean tip displacement of solids, with a line per load and Poisson's ratio."""
     heads = " | ".join(f"{n} points a side" for n in SOLID_POINTS)
     lines = [f"| load, Poisson's ratio | {heads} |", "|---" * (1 + len(SOLID_POINTS)) + "|"]
     for load, ratio in product(LOADS, RATIOS):
@@ -68,7 +68,7 @@ def solid_deflections() -> str:
 
 
 def solid_error(n: int, load: str, ratio: float) -> float:
-    """Of the displacement of a solid's tip at rest, as a share of the reference's."""
+    """Returns the relative error of the displacement of a solid's tip at rest."""
     axis, weight = LOADS[load], "weight" in load
     scene = scene_from(
         {
@@ -82,7 +82,7 @@ def solid_error(n: int, load: str, ratio: float) -> float:
         }
     )
     share = np.ones(n)
-    share[3:-1:3] = 2  # the weights of a patch have one integral each, and two patches meet in these points
+    share[3:-1:3] = 2  # all weights of a patch have the same integral, and two patches meet in these points
     share = np.outer(share, share) / share.sum() ** 2
     with Simulation(scene) as sim:
         place = sim.block(f"position[{n - 1},{j},{k}].{'xyz'[axis]}" for j in range(n) for k in range(n))
@@ -90,12 +90,12 @@ def solid_error(n: int, load: str, ratio: float) -> float:
             sim[f"load.end.{'xyz'[axis]}"] = SMALL * MODULUS
         before = place.get().copy()
         for _ in range(8):
-            sim.step(1.0)  # drag leaves exp(-10) of what is left of the way in each
+            sim.step(1.0)  # in each step drag leaves exp(-10) of the remaining displacement
         return float(share.ravel() @ (place.get() - before) / SMALL / REFERENCE[f"{ratio:g}"][load]) - 1
 
 
 def error(n: int, load: str) -> float:
-    """Of the tip's displacement at rest, as a share of the reference's."""
+    """Returns the relative error of the displacement of the tip of springs at rest."""
     axis, weight = LOADS[load], "weight" in load
     scene = scene_from(
         {
@@ -109,7 +109,7 @@ def error(n: int, load: str) -> float:
         }
     )
     share = np.ones(n)
-    share[[0, -1]] = 0.5  # points on the face's edges hold half as much of it as those inside, corners a quarter
+    share[[0, -1]] = 0.5  # points on the edges of the face have half the area of inner points, corners a quarter
     share = np.outer(share, share) / (n - 1) ** 2
     with Simulation(scene) as sim:
         tip = [f"{n - 1},{j},{k}].{'xyz'[axis]}" for j in range(n) for k in range(n)]
@@ -118,18 +118,18 @@ def error(n: int, load: str) -> float:
         place = sim.block("position[" + point for point in tip)
         before = place.get().copy()
         for _ in range(4):
-            sim.step(1.0)  # some five periods each, of which implicit steps leave nothing
+            sim.step(1.0)  # about five periods each; implicit steps leave no vibration
         return float(share.ravel() @ (place.get() - before) / SMALL / REFERENCE["0.25"][load]) - 1
 
 
 def pads() -> str:
-    """The force of the pad, a column a lattice."""
+    """Returns a table of the force of the pad, with a column per lattice."""
     forces = " | ".join(f"{pad_force(n):.2f} N" for n in PAD_POINTS)
     return f"| points a side | {' | '.join(map(str, PAD_POINTS))} |\n" + "|---" * (1 + len(PAD_POINTS)) + f"|\n| force | {forces} |"
 
 
 def pad_force(n: int) -> float:
-    """On the upper plate [N], held."""
+    """Returns the force on the upper plate [N], while the pad is held."""
     above = {"name": "above", "point": [0.0, 0.0, SIDE], "normal": [0.0, 0.0, -1.0], "motion": "input", "inputs": ["point.z", "velocity.z"]}
     scene = scene_from(
         {

@@ -1,4 +1,4 @@
-"""The table in words."""
+"""The text of the table."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ from matplotlib.ticker import EngFormatter
 from softffd.accuracy.kept import condition_words
 
 LOADED = 0.7
-"""Processes that ran on average of the last minute before: the machine is not ours alone."""
+"""Average number of running processes in the minute before the start, above which the machine counts as loaded by other programs"""
 
 NAME, AGAINST, CELL = 41, 37, 21
 
 
 def head(sets: Sequence[str]) -> list[str]:
-    """Above the rows."""
+    """Returns the lines above the rows."""
     columns = "".join(f"{name:{CELL}}" for name in sets)
     return [f"{'':{NAME + 2}}{'against':{AGAINST}}{'own time':>9}  {columns}goal"]
 
 
 def heading(group: str) -> str:
-    """Above the rows of a group."""
+    """Returns the heading above the rows of a group."""
     return f"\n{group}"
 
 
 def in_page(page: str, document: Mapping[str, Any]) -> str:
-    """The page with this table for the one in it; without that one, behind its end."""
+    """Returns the page with its table replaced by this table, which is appended if the page has none."""
     rows, sets = document["rows"], document["sets"]
     lines = head(sets)
     for group in dict.fromkeys(row["group"] for row in rows):
@@ -39,7 +39,7 @@ def in_page(page: str, document: Mapping[str, Any]) -> str:
 
 
 def line(row: Mapping[str, Any], sets: Sequence[str]) -> str:
-    """A row: own time in the first column, ratios in all, whether they keep the goal."""
+    """Returns the line of a row: own time in the first column, ratios in all columns, whether the ratios meet the goal."""
     results = row["results"]
     first = results[sets[0]]
     own = EngFormatter(unit="s", places=1, sep=" ")(first["own"]["median"]) if "own" in first else ""
@@ -48,7 +48,7 @@ def line(row: Mapping[str, Any], sets: Sequence[str]) -> str:
 
 
 def cell(row: Mapping[str, Any], result: Mapping[str, Any]) -> str:
-    """A ratio, its spread, and what it means."""
+    """Returns a ratio, its spread, and whether it meets the goal."""
     if "missing" in result:
         return str(result["missing"])
     ratio = result["ratio"]
@@ -58,7 +58,7 @@ def cell(row: Mapping[str, Any], result: Mapping[str, Any]) -> str:
 
 
 def kept(row: Mapping[str, Any], result: Mapping[str, Any]) -> bool | None:
-    """Whether the goal is met; None without one."""
+    """Returns whether the goal is met, or None if there is no goal."""
     if row["goal"] is not None:
         return bool(result["ratio"]["median"] <= row["goal"])
     if row["goal_seconds"] is not None:
@@ -67,14 +67,14 @@ def kept(row: Mapping[str, Any], result: Mapping[str, Any]) -> bool | None:
 
 
 def goal(row: Mapping[str, Any]) -> str:
-    """What is aimed at."""
+    """Returns the goal of a row."""
     if row["goal"] is not None:
         return f"{row['goal']:g}"
     return "" if row["goal_seconds"] is None else f"{row['goal_seconds']:g} s"
 
 
 def foot(document: Mapping[str, Any]) -> Iterator[str]:
-    """Below the rows: goals, machine, flags."""
+    """Yields the lines below the rows: goals, machine, flags."""
     about = document["about"]
     goals = [kept(row, result) for row in document["rows"] for result in row["results"].values() if "ratio" in result]
     yield f"ratios of times, ± half the range of their quartiles; {goals.count(True)} meet their goals, {goals.count(False)} miss them"

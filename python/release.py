@@ -1,7 +1,7 @@
-"""A wheel that carries the library for every platform, and the files for the FMI Cross-Check: `python3 python/run.py release`. The library
-for web pages alone, put into the installed package: `python3 python/run.py wasm`.
+"""Builds for every platform. `python3 python/run.py release` makes a wheel that carries the library for every platform, and the files for
+the FMI Cross-Check. `python3 python/run.py wasm` builds the library for web pages alone and puts it into the installed package.
 
-Compiled here by zig (package `ziglang`), from the presets of CMakePresets.json that have a platform's name.
+The libraries are compiled on this machine by zig (package `ziglang`), from the presets of CMakePresets.json that have a platform's name.
 """
 
 import os
@@ -15,7 +15,7 @@ PLATFORMS = ("linux64", "win64", "aarch64-linux", "darwin64", WASM)
 
 
 def build_release(python: Path) -> int:
-    """Builds with the environment of this interpreter; the wheel lands in dist. Returns the exit status."""
+    """Builds with the environment of the interpreter `python`; the wheel is written to dist. Returns the exit status."""
     libraries = ROOT / "build" / "libraries"
     shutil.rmtree(libraries, ignore_errors=True)
     wheel = [*pip(python), "wheel", ".", "--no-deps", "-w", "dist"]
@@ -28,7 +28,7 @@ def build_release(python: Path) -> int:
 
 
 def build_wasm(python: Path) -> int:
-    """Builds the library for web pages and puts it into the package that this interpreter has. Returns the exit status."""
+    """Builds the library for web pages and puts it into the package that the interpreter `python` has. Returns the exit status."""
     libraries = installed_libraries(python)
     status = run_all("wasm", python, compiling(python, [WASM], libraries))
     if status == 0:
@@ -37,7 +37,7 @@ def build_wasm(python: Path) -> int:
 
 
 def installed_libraries(python: Path) -> Path:
-    """The folder of the libraries by platform in the package that this interpreter has."""
+    """Returns the folder that holds the libraries, by platform, in the package that the interpreter `python` has."""
     site = subprocess.check_output([python, "-c", "import sysconfig; print(sysconfig.get_path('platlib'))"], text=True).strip()
     return Path(site) / "softffd" / "data" / "binaries"
 
@@ -47,7 +47,7 @@ def pip(python):
 
 
 def compiling(python, platforms, libraries):
-    """The commands that compile the platforms' libraries into folders of `libraries`."""
+    """Returns the commands that compile the libraries of these platforms into folders of `libraries`."""
     commands = [[*pip(python), "install", "ziglang", "cmake>=3.26", "ninja", "cmeel-eigen", "fmpy"]]
     for name in platforms:
         commands.append(["cmake", "--preset", name, "-G", "Ninja", "-DSOFTFFD_TESTS=OFF", f"-DPython3_EXECUTABLE={python}"])

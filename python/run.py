@@ -38,13 +38,13 @@ PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 BUILD = ROOT / "build" / "native"
 STAMP = VENV / "softffd-built"
 BUILT_FROM = ("pyproject.toml", "CMakeLists.txt", "LICENSE", "fmu_src", "modelDescription")
-TOOLS = ("stability", "random", "benchmarks", "scipy", "twin", "cross-check")  # of python/validation
-ALONE = ("release", "wasm", "docs")  # take no arguments
+TOOLS = ("stability", "random", "benchmarks", "scipy", "twin", "cross-check")  # commands of python/validation
+ALONE = ("release", "wasm", "docs")  # commands that take no arguments
 LEAST_PYTHON = (3, 11)
-COMPILED = re.compile(r"^\s*\[\s*([1-9]\d*/\d+|\d+%)\]")  # ninja's words for how far it is, and those of make
+COMPILED = re.compile(r"^\s*\[\s*([1-9]\d*/\d+|\d+%)\]")  # the progress that ninja and make print
 CLEAR = "\r\033[K"
-TELL_EVERY = 5  # s, where the output is no terminal
-HANGS = 900  # s after which a test of the short run or of a group of long ones is taken to hang
+TELL_EVERY = 5  # interval of progress lines where the output is no terminal [s]
+HANGS = 900  # time after which a test of the short run or of a group of long tests is taken to hang [s]
 IMPORTED_AS = {"pillow": "PIL"}
 PIP_FAILED = "pip failed (see above). It needs the Python package index, or a mirror of it, in reach."
 
@@ -67,7 +67,7 @@ def pip(*arguments, env=None):
 
 
 def pip_compile(*arguments, env=None):
-    """pip, telling how far the compiler is; all that it said where it fails."""
+    """Runs pip and prints the progress of the compiler. If pip fails, stops with all of its output."""
     command = [word for word in pip_command(*arguments, "-v") if word != "-q"]
     build = subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
     said, told, terminal = [], -TELL_EVERY, sys.stdout.isatty()
@@ -96,12 +96,12 @@ def make_venv():
 
 
 def forget_wasm():
-    """What `run.py wasm` has built is of the sources from before."""
+    """Deletes the library that `run.py wasm` has built, since it was built from the sources before the change."""
     shutil.rmtree(installed_libraries(PYTHON) / WASM, ignore_errors=True)
 
 
 def compiler_environment():
-    """The environment to build in: the machine's C++ compiler, else zig's."""
+    """Returns the environment variables to build with: the machine's C++ compiler, else zig's."""
     env = dict(os.environ)
     if env.get("CXX") or os.name == "nt" or any(shutil.which(name) for name in ("c++", "g++", "clang++")):
         return env
@@ -118,7 +118,8 @@ def compiler_environment():
 
 def fingerprint():
     modules = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "python").rglob("*.py"))
-    digest = hashlib.sha256("\n".join([str(PYTHON), *modules]).encode())  # an editable install knows the modules there are
+    # the names of the modules count, because an editable install knows only the modules that existed when it was made
+    digest = hashlib.sha256("\n".join([str(PYTHON), *modules]).encode())
     for name in BUILT_FROM:
         path = ROOT / name
         for file in [path] if path.is_file() else sorted(f for f in path.rglob("*") if f.is_file()):
@@ -128,26 +129,26 @@ def fingerprint():
 
 
 def settings(section):
-    """A section of pyproject.toml."""
-    import tomllib  # with Python 3.11, which has been looked for by now
+    """Returns a section of pyproject.toml."""
+    import tomllib  # needs Python 3.11, for which `set_up` has checked by now
 
     return tomllib.loads((ROOT / "pyproject.toml").read_text())[section]
 
 
 def requirements():
-    """What building needs, and what the package and its tests need besides."""
+    """Returns the packages that building needs, and those that the package and its tests need besides."""
     others = [*settings("project")["dependencies"], *settings("project")["optional-dependencies"]["test"]]
     return [*settings("build-system")["requires"], *(name for name in others if name.startswith(("cmake>", "ninja>")))], others
 
 
 def building_environment():
-    """That of the compiler, with the tools of .venv first."""
+    """Returns `compiler_environment` with the tools of .venv first on the PATH."""
     env = compiler_environment()
     return env | {"PATH": f"{PYTHON.parent}{os.pathsep}{env['PATH']}"}
 
 
 def missing():
-    """The modules that the program needs and that are not whole in .venv."""
+    """Returns the modules that the program needs and that are absent or incomplete in .venv."""
     names = (re.match(r"[\w-]+", each)[0] for each in settings("project")["dependencies"])
     modules = ["softffd", *(IMPORTED_AS.get(name, name) for name in names)]
     code = "import sys; from importlib.util import find_spec as f; print(*(m for m in sys.argv[1:] if not ((s := f(m)) and s.origin)))"
@@ -160,7 +161,7 @@ def set_up():
     print_once = fingerprint()
     if PYTHON.exists() and STAMP.exists() and STAMP.read_text() == print_once and not missing():
         return
-    STAMP.unlink(missing_ok=True)  # what is interrupted from here on begins anew
+    STAMP.unlink(missing_ok=True)  # a set-up that is interrupted from here on begins anew
     make_venv()
     forget_wasm()
     print("run.py: building and installing into .venv (some minutes, once)", flush=True)
@@ -169,19 +170,19 @@ def set_up():
     pip("install", *building)
     step("2 of 3: the C++ library; beside it the packages that the program and its tests need")
     meanwhile = subprocess.Popen(pip_command("install", *others))
-    # in this environment and in a folder that stays: the C++ tests are made of the same objects
+    # in this environment and in a folder that is kept, because the C++ tests are made of the same objects
     options = ["-C", f"build-dir={BUILD}", "-C", "cmake.define.SOFTFFD_TESTS=OFF"]
     pip_compile("install", "--no-deps", "--no-build-isolation", *options, "-e", ROOT, env=building_environment())
     step("3 of 3: what is left of the packages")
     if meanwhile.wait() != 0:
         stop(PIP_FAILED)
-    if lost := missing():  # which pip takes for installed: it was interrupted before
+    if lost := missing():  # pip was interrupted before and takes these for installed
         stop(f".venv holds parts only of {', '.join(lost)}; remove the folder {VENV} and run this again")
     STAMP.write_text(print_once)
 
 
 def add_extra(extra, without):
-    """The packages of an extra, for the numpy that is there; of one that cannot be had it is said what is missing."""
+    """Installs the packages of an extra, for the numpy that is there; prints what is missing where a package cannot be installed."""
     there = subprocess.check_output([PYTHON, "-c", "import numpy; print('numpy==' + numpy.__version__)"], text=True).strip()
     for name in settings("project")["optional-dependencies"][extra]:
         if subprocess.call(pip_command("install", name, there)) != 0:
@@ -209,13 +210,13 @@ def main():
             for extra in ("readers", "mujoco"):
                 add_extra(extra, "its tests are skipped")
         env = compiler_environment()
-        env.pop("PYTHONDONTWRITEBYTECODE", None)  # else each process that a test starts compiles the package anew
+        env.pop("PYTHONDONTWRITEBYTECODE", None)  # with it, each process that a test starts would compile the package anew
         return subprocess.call([PYTHON, "-m", "pytest", *options, *arguments[1:]], cwd=ROOT, env=env)
     if arguments[0] == "bench":
         add_extra("comparisons", "its rows are missing")
         return subprocess.call([PYTHON, ROOT / "benchmarks" / "bench.py", *arguments[1:]])
     command = [str(PYTHON), "-m", "validation" if arguments[0] in TOOLS else "softffd", *arguments]
-    if os.name == "posix":  # in this process, so that signals reach it
+    if os.name == "posix":  # replaces this process, so that signals reach the command
         os.execv(PYTHON, command)
     return subprocess.call(command)
 

@@ -30,9 +30,9 @@ HOMES = {
     "run.replay": ["replay"], "run.result": ["Result"], "run.simulate": ["simulate"], "run.simulation": ["Simulation"],
     "run.sweep": ["Sweep", "sweep"], "scene.scene": ["Scene", "load_scene"],
 }  # fmt: skip
-"""The public names by their module, which is imported when one is asked for: numpy, pydantic and fmpy take most of a second."""
+"""The public names by module. A module is imported when a name is first used, since numpy, pydantic and fmpy take most of a second."""
 
-if not TYPE_CHECKING:  # which knows the names from above, and wrong ones too
+if not TYPE_CHECKING:  # a type checker knows the names from above; with __getattr__ it would accept wrong names too
 
     def __getattr__(name):
         home = next((module for module, names in HOMES.items() if name in names), None)

@@ -15,7 +15,7 @@ class SceneError(SoftffdError):
         super().__init__("\n".join([f"{where}: {len(problems)} problem{'s' * (len(problems) > 1)}", *(f"  {p}" for p in problems)]))
 
     def __reduce__(self) -> tuple[type["SceneError"], tuple[str, list[str]]]:
-        return type(self), (self.where, self.problems)  # it comes whole from another process
+        return type(self), (self.where, self.problems)  # so that the error comes whole from another process
 
 
 class MeshError(SoftffdError):
@@ -27,7 +27,7 @@ class FmuError(SoftffdError):
 
 
 class Interrupted(KeyboardInterrupt):
-    """An interrupt (Ctrl-C) of something that is done in part: `result` is that, of a run the Result up to there."""
+    """An interrupt (Ctrl-C) of work that is done in part. `result` is the part that is done; for a run, the Result up to the interrupt."""
 
     def __init__(self, result: Any):
         self.result = result
@@ -35,6 +35,6 @@ class Interrupted(KeyboardInterrupt):
 
 
 class UnknownName(FmuError, KeyError):
-    """A name that is not there; also a KeyError, as mappings want it."""
+    """A name that does not exist. The error is also a KeyError, as mappings require it."""
 
     __str__ = Exception.__str__

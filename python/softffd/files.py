@@ -1,4 +1,4 @@
-"""The one way a file is written: it appears whole, or what stood there before stays."""
+"""The one way in which files are written: a file appears whole, or the file that was there before stays."""
 
 import csv
 import io
@@ -17,11 +17,11 @@ from softffd.errors import SoftffdError
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[BinaryIO]:
-    """A binary stream into a file beside `path`, which takes its place when the block ends and goes when it fails.
+    """Opens a binary stream to a temporary file beside `path`, which replaces `path` when the block ends and is deleted when it fails.
 
-    The name beside cannot be guessed and must be new: writers of the same file do not meet, in threads neither, and no link that somebody
-    has put there is followed. A link at `path` stays one: its target is replaced. Raises OSError where the folder is missing or may not
-    be written to.
+    The name of the temporary file cannot be guessed and must be new. Writers of the same file, threads included, therefore do not meet,
+    and no link that somebody has put there is followed. If `path` is a link, it stays one, and its target is replaced. Raises OSError if
+    the folder is missing or may not be written to.
     """
     target = Path(os.path.realpath(path))
     partial = target.with_name(f".softffd-{secrets.token_hex(8)}.partial")
@@ -35,13 +35,14 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
 
 @contextmanager
 def appearing_in(folder: Path) -> Iterator[Path]:
-    """A new folder inside `folder`, for a block that writes files into it: what is there when the block ends moves up into `folder`, files
-    and folders each in place of the one of its name; nothing does if the block fails. Raises OSError as `replacing` does."""
+    """Makes a new folder inside `folder`, for a block that writes files into it. When the block ends, the content of the new folder
+    moves up into `folder`, and each file and folder replaces one of the same name; if the block fails, nothing moves. Raises OSError as
+    `replacing` does."""
     place = folder / f".softffd-{secrets.token_hex(8)}.partial"
     place.mkdir()
     try:
         yield place
-        for made in sorted(place.iterdir(), key=lambda each: each.is_file()):  # folders first: what lists their files comes after them
+        for made in sorted(place.iterdir(), key=lambda each: each.is_file()):  # folders first: a file that lists their files comes later
             if made.is_dir() and (folder / made.name).is_dir():
                 shutil.rmtree(folder / made.name)
             os.replace(made, folder / made.name)
@@ -61,19 +62,19 @@ def write_text(path: str | Path, text: str) -> None:
 
 
 def table_text(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
-    """A table as CSV, lines ended by a line feed; cells with commas stand between quotation marks."""
+    """Returns a table as CSV. A line feed ends each line, and cells with commas stand between quotation marks."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([head, *rows])
     return text.getvalue()
 
 
 def json_text(document: Mapping[str, Any]) -> str:
-    """JSON; numbers that it does not have are null."""
+    """Returns a document as JSON text; numbers that JSON does not have become null."""
     return json.dumps(finite(document), indent=1, allow_nan=False) + "\n"
 
 
 def finite(value: Any) -> Any:
-    """The same with None for numbers that are not finite, also inside."""
+    """Returns the value with None for every number that is not finite, also inside mappings, lists and tuples."""
     if isinstance(value, Mapping):
         return {name: finite(entry) for name, entry in value.items()}
     if isinstance(value, list | tuple):
@@ -82,7 +83,7 @@ def finite(value: Any) -> Any:
 
 
 def seen_from(folder: str | Path, file: Path) -> str:
-    """The path of a file as one names it in a folder."""
+    """Returns the path of a file relative to a folder; its absolute path if the two are on different drives."""
     try:
         return Path(os.path.relpath(file, folder)).as_posix()
     except ValueError:  # another drive
@@ -90,19 +91,19 @@ def seen_from(folder: str | Path, file: Path) -> str:
 
 
 def size_of(path: Path) -> int:
-    """Bytes of a file, or of all files in a folder."""
+    """Returns the size of a file, or of all files in a folder together [bytes]."""
     return sum(each.stat().st_size for each in path.rglob("*")) if path.is_dir() else path.stat().st_size
 
 
 def require_new(paths: Iterable[Path], another: str, *, overwrite: bool) -> None:
-    """SoftffdError where one of these files is there and not to be written over: to be asked before it is made. another: how to say where
-    else it could go."""
+    """Raises SoftffdError if one of these files exists and must not be overwritten; to be called before the files are made. another:
+    words that say how to choose another place."""
     if not overwrite and (there := [str(path) for path in paths if path.is_file()]):
         raise SoftffdError(f"{', '.join(there)}: there already; to write over what is there: --overwrite, to keep it: {another}")
 
 
 def require_writable(folder: Path) -> None:
-    """SoftffdError where files could not be written to a folder, which need not exist yet: to be asked before a long run."""
+    """Raises SoftffdError if files could not be written to a folder, which need not exist yet; to be called before a long run."""
     there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     if not there.is_dir():
         raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} is a file")

@@ -1,4 +1,4 @@
-"""What the build puts beside the Python files: the library, the table of variables, the documentation that goes into every FMU."""
+"""What the build puts beside the Python files: the library, the table of variables, and the documentation that goes into every FMU."""
 
 import re
 import sys
@@ -18,7 +18,7 @@ WASM = "wasm32-wasi"  # the platform of web pages, which no FMU contains
 
 
 def data_folder() -> Path:
-    """The folder `data` of the installed package."""
+    """Returns the folder `data` of the installed package; SoftffdError if the package is not built."""
     folder = Path(str(files("softffd").joinpath("data")))
     if not (folder / "variables.toml").is_file():
         raise SoftffdError(
@@ -30,12 +30,12 @@ def data_folder() -> Path:
 
 @cache
 def table() -> dict[str, Any]:
-    """The parsed variables.toml: families, methods, log categories, units."""
+    """Returns the parsed variables.toml: families, methods, log categories, units."""
     return tomllib.loads((data_folder() / "variables.toml").read_text())
 
 
 def host_library() -> Path:
-    """The library for the machine that this runs on; SoftffdError where the installation has none for it."""
+    """Returns the path of the library for the machine that this process runs on; SoftffdError if the installation has none for it."""
     arm = machine().lower() in ("aarch64", "arm64")
     system = {"win32": "win64", "darwin": "darwin64"}.get(sys.platform, "aarch64-linux" if arm else "linux64")
     return libraries([system])[system]
@@ -43,14 +43,14 @@ def host_library() -> Path:
 
 @cache
 def loaded_library() -> CDLL:
-    """The same, loaded for good: unloading it would leave the memory that its C++ runtime took, 70 kB, each time."""
+    """Returns `host_library`, loaded for good: unloading it would leave behind the memory of its C++ runtime, 70 kB, each time."""
     return CDLL(str(host_library()))
 
 
 @cache
 def library_function(name: str, result: Any, *arguments: Any) -> Any:
-    """A function that the library has for this package, with the C types of its result and arguments; SoftffdError where the library is
-    another version's."""
+    """Returns a function that the library has for this package, with the C types of its result and arguments; SoftffdError if the
+    library belongs to another version."""
     try:
         function = getattr(loaded_library(), name)
     except AttributeError:
@@ -60,7 +60,7 @@ def library_function(name: str, result: Any, *arguments: Any) -> Any:
 
 
 def libraries(platforms: Iterable[str] | None = None) -> dict[str, Path]:
-    """The built libraries by FMI platform name, all of them or the ones asked for; SoftffdError names what is there instead."""
+    """Returns the built libraries by FMI platform name, all or those asked for; SoftffdError names those that exist if one is missing."""
     found = {
         folder.name: folder / LIBRARY_NAME[folder.name]
         for folder in sorted((data_folder() / "binaries").iterdir())
@@ -79,7 +79,7 @@ def libraries(platforms: Iterable[str] | None = None) -> dict[str, Path]:
 
 
 def wasm_library() -> Path:
-    """The library for web pages; SoftffdError names what makes one."""
+    """Returns the path of the library for web pages; SoftffdError, which names the commands that make one, if it is missing."""
     if not has_wasm_library():
         raise SoftffdError(
             "this installation has no library for web pages (WebAssembly). In a checkout, python3 python/run.py wasm builds it in some "
@@ -89,11 +89,11 @@ def wasm_library() -> Path:
 
 
 def has_wasm_library() -> bool:
-    """Whether there is one."""
+    """True if the installation has the library for web pages."""
     return (data_folder() / "binaries" / WASM / "softffd.wasm").is_file()
 
 
 def least_glibc(library: Path) -> str | None:
-    """The oldest glibc that a library loads with, "2.17", by the versions of symbols that an ELF file names; None where it needs none."""
+    """Returns the oldest glibc that a library loads with, "2.17", from the symbol versions in an ELF file; None if it needs none."""
     needed = [(int(major), int(minor)) for major, minor in re.findall(rb"\0GLIBC_(\d+)\.(\d+)", library.read_bytes())]
     return "{}.{}".format(*max(needed)) if needed else None

@@ -12,8 +12,8 @@ points are numbered, p_ijk has the flat index
     | /                    |/  |    |/
     +------ x (i)          0---1----2
 
-and every list, record, block of variables and file goes in this order. Arrays have one of two forms, whose memory differs: flat arrays
-follow p, grids follow numpy's habit, in which the last index runs fastest. `to_grid` and `to_flat` lead from one to the other; a bare
+and every list, record, block of variables and file goes in this order. Arrays have one of two forms, whose memory layouts differ: flat
+arrays follow p, grids follow numpy's habit, in which the last index runs fastest. `to_grid` and `to_flat` convert between the two; a bare
 reshape does not.
 
     flat   (..., n, c)              row p
@@ -35,48 +35,50 @@ Point = tuple[int, int, int]  # indices (i, j, k) of a control point
 
 @dataclass(frozen=True)
 class LatticeBox:
-    """A lattice as embeddings and pictures need it."""
+    """The data of a lattice that embeddings and pictures need."""
 
     points: tuple[int, int, int]  # control points per axis
     origin: tuple[float, float, float]  # lower corner of the box at rest [m]
-    size: tuple[float, float, float]  # its sides [m]
+    size: tuple[float, float, float]  # sides of the box at rest [m]
     basis: str  # "bezier", "bspline" or "patches"
 
     def rest(self) -> np.ndarray:
-        """The control points at rest as a grid, (nx, ny, nz, 3) [m]."""
+        """Returns the control points at rest as a grid, (nx, ny, nz, 3) [m]."""
         return rest_grid(self.points, self.origin, self.size)
 
 
 def bounding_box(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Lower and upper corner (c,) of points (m, c), m > 0: column by column, since numpy takes twenty times as long along short rows."""
+    """Returns the lower and upper corner (c,) of points (m, c), m > 0. The columns are taken one by one, since numpy takes twenty times
+    as long along short rows."""
     return np.array([column.min() for column in points.T]), np.array([column.max() for column in points.T])
 
 
 def rest_grid(counts: Counts, origin: Sequence[float] | np.ndarray, size: Sequence[float] | np.ndarray) -> np.ndarray:
-    """The control points at rest, (nx, ny, nz, 3) [m]."""
+    """Returns the control points at rest, (nx, ny, nz, 3) [m]."""
     axes = np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in counts), indexing="ij")
     return np.asarray(origin) + np.asarray(size) * np.stack(axes, axis=-1)
 
 
 def index_grid(counts: Counts) -> np.ndarray:
-    """The flat index of every control point, (nx, ny, nz) int64."""
+    """Returns the flat index of every control point, (nx, ny, nz) int64."""
     return np.arange(math.prod(counts), dtype=np.int64).reshape(counts, order="F")
 
 
 def point_at(index: int, counts: Counts) -> Point:
-    """(i, j, k) of p."""
+    """Returns the indices (i, j, k) of the control point with the flat index p = `index`."""
     nx, ny, _ = counts
     return index % nx, index // nx % ny, index // nx // ny
 
 
 def all_points(counts: Counts) -> Iterator[Point]:
-    """(i, j, k) of every control point, in flat order."""
+    """Returns an iterator over (i, j, k) of every control point, in flat order."""
     nx, ny, nz = counts
     return ((i, j, k) for k, j, i in product(range(nz), range(ny), range(nx)))
 
 
 def cells_within(points: np.ndarray, counts: Counts) -> np.ndarray:
-    """Which cells have all eight corners among these points (m,), flat indices: (nx - 1, ny - 1, nz - 1) bool, by their lower corner."""
+    """Returns which cells have all eight corners among these points (m,), flat indices: (nx - 1, ny - 1, nz - 1) bool, each cell at the
+    indices of its lower corner."""
     found = np.isin(index_grid(counts), points)
     for axis in range(3):
         low, high = (np.take(found, range(first, found.shape[axis] - 1 + first), axis=axis) for first in (0, 1))
@@ -85,7 +87,7 @@ def cells_within(points: np.ndarray, counts: Counts) -> np.ndarray:
 
 
 def shared_by_corners(cells: np.ndarray) -> np.ndarray:
-    """What the control points (nx, ny, nz) have of values of the cells, each of which gives an eighth to each of its corners."""
+    """Distributes values of cells to the control points, (nx, ny, nz): each cell gives an eighth of its value to each corner."""
     points = np.zeros([count + 1 for count in cells.shape])
     for i, j, k in product((0, 1), repeat=3):
         nx, ny, nz = cells.shape
@@ -94,11 +96,11 @@ def shared_by_corners(cells: np.ndarray) -> np.ndarray:
 
 
 def to_grid(flat: np.ndarray, counts: Counts) -> np.ndarray:
-    """(..., n, c) as (..., nx, ny, nz, c): a view."""
+    """Returns a flat array (..., n, c) as a grid (..., nx, ny, nz, c): a view."""
     nx, ny, nz = counts
     return flat.reshape(*flat.shape[:-2], nz, ny, nx, flat.shape[-1]).swapaxes(-4, -2)
 
 
 def to_flat(grid: np.ndarray) -> np.ndarray:
-    """(..., nx, ny, nz, c) as (..., n, c)."""
+    """Returns a grid (..., nx, ny, nz, c) as a flat array (..., n, c)."""
     return grid.swapaxes(-4, -2).reshape(*grid.shape[:-4], -1, grid.shape[-1])

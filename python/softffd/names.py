@@ -1,14 +1,16 @@
-"""Names of variables: the table's rows turned into names and names into rows, here and nowhere else.
+"""Names of variables. Only this module turns the rows of the table into names and names into rows.
 
 A row's name is a pattern (variables.toml): `position[{i},{j},{k}].{c}`, `{obstacle}.point.{c}`, `pin.{name}.position.{c}`,
-`stiffness.edge`. What stands for {i},{j},{k}, for {obstacle}, {body} or for KIND.{name} is the *instance*: a control point (i, j, k), or a
-part, an obstacle, pin, load, probe or sensor with its kind and its name, or a taxel, the cell {i},{j} of a sensor; {c} is the *component*.
-Names have two forms, of which a scene chooses one for its FMU (fmu.names): *structured* as in the table, and *flat*, with underscores in
-the place of points, commas and brackets: `position_0_1_2_x`, `plane_ground_point_z`. Either form is understood wherever names are read.
-A flat name is that of the part with the shortest name it can be of: `plane_a_angular_velocity_x` belongs to the plane a. A scene with flat
-names has no part whose variables would be taken for another's (`mistaken`).
-The pose of a fixed obstacle, and the motion of a free body, have the same names as those of an input; as family they count the first in the
-table, the input.
+`stiffness.edge`. {i},{j},{k}, {obstacle}, {body} or KIND.{name} stands for the *instance*. An instance is a control point (i, j, k); or a
+part, which is an obstacle, pin, load, probe or sensor with its kind and its name; or a taxel, which is the cell {i},{j} of a sensor. {c}
+is the *component*.
+Names have two forms, and a scene chooses one of them for its FMU (fmu.names). The *structured* form is that of the table. The *flat* form
+has underscores in the place of points, commas and brackets: `position_0_1_2_x`, `plane_ground_point_z`. Either form is understood wherever
+names are read.
+A flat name that could belong to several parts belongs to the part with the shortest name: `plane_a_angular_velocity_x` belongs to the
+plane a. A scene with flat names has no part whose variables would be taken for those of another part (`mistaken`).
+The pose of a fixed obstacle and the motion of a free body have the same names as those of an input. Such a name counts as of the family
+that comes first in the table, the input.
 """
 
 import re
@@ -25,8 +27,8 @@ T = TypeVar("T")
 IDENTIFIER = "[A-Za-z_][A-Za-z0-9_]*"  # what an obstacle, pin, load, probe or sensor may be called
 OBSTACLES = ("plane", "sphere", "cylinder", "box")  # kinds of obstacles
 BODIES = (*OBSTACLES[1:], "pin")  # kinds of parts that may have a mass of their own
-PROBED = ("stress", "von_mises", "stretch", "velocity", "acceleration")  # what a probe may show beside its place
-LARGEST = ("velocity", "acceleration", "von_mises")  # of which it may show the largest
+PROBED = ("stress", "von_mises", "stretch", "velocity", "acceleration")  # quantities that a probe may output beside its position
+LARGEST = ("velocity", "acceleration", "von_mises")  # quantities of which a probe may output the largest value
 _INDEX = r"(?:0|[1-9]\d*)"
 _FLAT = str.maketrans({".": "_", "[": "_", ",": "_", "]": None})
 
@@ -54,7 +56,7 @@ class Cell(NamedTuple):
 
 
 Instance = Part | Cell | str | Point | None
-"""What a variable belongs to; the name alone is that of a plane, or of the pin, load, probe or sensor that the family is of."""
+"""What a variable belongs to. A name alone means a plane, or the pin, load, probe or sensor to which the family belongs."""
 
 
 class Name(NamedTuple):
@@ -62,24 +64,24 @@ class Name(NamedTuple):
 
     family: str  # key of its row in the table
     instance: Part | Cell | Point | None
-    """The obstacle, pin, load, probe, sensor or taxel, or the control point; None where there is one only"""
+    """The obstacle, pin, load, probe, sensor or taxel, or the control point; None for a variable that exists only once"""
     component: str  # "x", "y", "z" or "w"; empty for scalars
 
     @property
     def at_point(self) -> bool:
-        """Does it belong to a control point?"""
+        """True if the variable belongs to a control point."""
         return isinstance(self.instance, tuple) and not isinstance(self.instance, Part | Cell)
 
 
 def variable_name(family: str, instance: Instance = None, component: str = "", *, flat: bool = False) -> str:
-    """The name of one variable of a family: variable_name("plane_point", "ground", "z") is plane.ground.point.z."""
+    """Returns the name of one variable of a family: variable_name("plane_point", "ground", "z") is plane.ground.point.z."""
     stem = _stem(_row(family), instance)
     name = f"{stem}.{component}" if component else stem
     return flat_form(name) if flat else name
 
 
 def variable_names(family: str, instances: Iterable[Instance] = (None,), *, flat: bool = False) -> list[str]:
-    """The names of a family for several instances, one instance with all its components after the other, as in the FMU."""
+    """Returns the names of a family for several instances, one instance with all its components after the other, as in the FMU."""
     row = _row(family)
     stems = (_stem(row, instance) for instance in instances)
     components = row.get("components", "")
@@ -88,18 +90,18 @@ def variable_names(family: str, instances: Iterable[Instance] = (None,), *, flat
 
 
 def vector_names(family: str, instance: Instance = None) -> list[str]:
-    """The names of all components for one instance."""
+    """Returns the names of all components for one instance."""
     return variable_names(family, (instance,))
 
 
 def flat_form(name: str) -> str:
-    """The flat form of a structured name, or of the beginning of one."""
+    """Returns the flat form of a structured name, or of the beginning of one."""
     return name.translate(_FLAT)
 
 
 def belonging(names: Iterable[str]) -> dict[str, list[str]]:
-    """By everything that stands for some of these variables the names of those: by a name, position[0,0,1].x, and by the beginnings of it,
-    position[0,0,1] and position; for names of the table by the flat forms of these too."""
+    """Returns the names of these variables by every word that selects some of them. Such a word is a name, position[0,0,1].x, or a
+    beginning of it, position[0,0,1] or position; for names of the table the flat forms of these count too."""
     found: dict[str, list[str]] = {}
     for given in names:
         name = structured(given)
@@ -109,12 +111,12 @@ def belonging(names: Iterable[str]) -> dict[str, list[str]]:
     return found
 
 
-@lru_cache(maxsize=4096)  # the inputs of a run come back at every step
+@lru_cache(maxsize=4096)  # the names of a run's inputs are parsed at every step
 def parse_name(name: str) -> Name | None:
-    """Family, instance and component of a name in either form; None for what is no name of the table."""
+    """Returns family, instance and component of a name in either form; None if the name is not of the table."""
     possible = []
     for pattern, key, kind in _shapes().get(_first_word(name), ()):
-        if found := re.fullmatch(pattern, name):  # compiles those of this first word alone
+        if found := re.fullmatch(pattern, name):  # compiles only the patterns of this first word
             words = found.groupdict()
             indices = [int(words[axis]) for axis in "ijk" if axis in words]
             of: Part | Cell | Point | None = Part(kind, words["name"]) if kind else None
@@ -125,7 +127,7 @@ def parse_name(name: str) -> Name | None:
 
 
 def other_form(name: str) -> str | None:
-    """The flat name of the variable that has this structured one, or the other way round; None where there is one form only."""
+    """Returns the flat form of a structured name, or the structured form of a flat name; None if there is one form only."""
     whole = structured(name)
     other = flat_form(whole) if name == whole else whole
     return other if other != name and parse_name(name) else None
@@ -133,13 +135,14 @@ def other_form(name: str) -> str | None:
 
 @lru_cache(maxsize=4096)
 def structured(name: str) -> str:
-    """The name in its structured form, whichever is given; what is no name stays as it is."""
+    """Returns the structured form of a name in either form; a name that is not of the table is returned unchanged."""
     found = parse_name(name)
     return variable_name(*found) if found else name
 
 
 def mistaken(part: Part) -> str | None:
-    """A structured name of this part's variables whose flat form is taken for another variable's; None where there is none."""
+    """Returns a structured name among this part's variables whose flat form is taken for another variable's name; None if there is
+    none."""
     for row in _rows().values():
         if part.kind in _kinds(row):
             for name in variable_names(row["key"], [part]):
@@ -149,7 +152,7 @@ def mistaken(part: Part) -> str | None:
 
 
 class ByName(dict[str, T]):
-    """Values by variable name. Either form of a name finds what is there under the other."""
+    """Values by variable name. Either form of a name finds a value that is stored under the other form."""
 
     def __contains__(self, name: object) -> bool:
         return super().__contains__(name) or (isinstance(name, str) and super().__contains__(other_form(name)))
@@ -167,26 +170,26 @@ class ByName(dict[str, T]):
 
 
 def components_in(variables: Container[str], vector: str, letters: Iterable[str] = "wxyz") -> dict[str, str]:
-    """By letter, the names of a vector's components among the variables, in either form; empty where there are none."""
+    """Returns, by letter, the names of a vector's components that are among the variables, in either form; empty if there are none."""
     return {c: full for c in letters for between in "._" if (full := f"{vector}{between}{c}") in variables}
 
 
 def vectors_in(variables: Iterable[str]) -> list[str]:
-    """What the components among the variables are of."""
+    """Returns the names of the vectors whose components are among the variables."""
     return list(dict.fromkeys(name[:-2] for name in variables if name[-2:-1] in ("_", ".") and name[-1] in "wxyz"))
 
 
 def is_pose(name: str) -> bool:
-    """Is this of the pose or motion of an obstacle or pin, which a scene may make an input?"""
+    """True if the variable belongs to the pose or motion of an obstacle or pin, which a scene may make an input."""
     found = parse_name(name)
     return found is not None and "pose" in _row(found.family)
 
 
 def parts_of(names: Iterable[str], *kinds: str) -> list[Part]:
-    """The parts of some kinds ("plane", "pin", ...) that names of variables speak of, in the order of the scene.
+    """Returns the parts of some kinds ("plane", "pin", ...) to which the named variables belong, in the order of the scene.
 
-    Each row of the table goes through its parts in that order. So the family with most parts leads, and what it has not got follows; but
-    one whose names are those of two rows (input planes, then fixed ones) comes last.
+    Each row of the table goes through its parts in that order. The family with most parts therefore comes first, and parts that it lacks
+    follow. A family whose names are those of two rows (input planes, then fixed ones) comes last.
     """
     by_family: dict[str, dict[Part, None]] = {}
     for name in names:
@@ -198,7 +201,8 @@ def parts_of(names: Iterable[str], *kinds: str) -> list[Part]:
 
 
 def stem(name: str) -> str:
-    """What the components and places of a variable have in common: "plane.press.point", "velocity[i,j,k]", "sensor.foot.taxel[i,j]"."""
+    """Returns what the components and places of a variable have in common: "plane.press.point", "velocity[i,j,k]",
+    "sensor.foot.taxel[i,j]"."""
     found = parse_name(name)
     whole = name[: -1 - len(found.component)] if found and found.component else name
     if found and isinstance(found.instance, Cell):
@@ -207,35 +211,35 @@ def stem(name: str) -> str:
 
 
 def unit_of(name: str) -> str:
-    """The unit of a variable; empty for what is no name of the table and where there is none."""
+    """Returns the unit of a variable; empty if the name is not of the table or the variable has no unit."""
     found = parse_name(name)
     return str(_row(found.family).get("unit", "")) if found else ""
 
 
 def range_of(name: str) -> tuple[float | None, float | None]:
-    """Least and greatest value of a variable, as far as the table has numbers for them; the least may be excluded."""
+    """Returns the least and greatest value of a variable, None where the table has no number; the least value may be excluded."""
     row = _row(found.family) if (found := parse_name(name)) else {}
     return row.get("min", row.get("above")), most if isinstance(most := row.get("max"), float) else None
 
 
 def is_step_mean(name: str) -> bool:
-    """Is this the mean of the communication step that ends at its time?"""
+    """True if the variable is the mean over the communication step that ends at its time."""
     found = parse_name(name)
     return found is not None and bool(_row(found.family).get("mean"))
 
 
 def listed(names: Iterable[str]) -> str:
-    """Names in a line, for what is to be read at a glance: vectors once, the first six and how many more."""
+    """Returns names in one line, to be read at a glance: each vector once, the first six, and how many more there are."""
     return few(list(dict.fromkeys(map(stem, names)))) or "none"
 
 
 def part_names(names: Iterable[str], *kinds: str) -> list[str]:
-    """The names of these parts."""
+    """Returns the names of the parts of these kinds, without their kinds."""
     return [part.name for part in parts_of(names, *kinds)]
 
 
 def _stem(row: dict[str, Any], instance: Instance) -> str:
-    """A structured name without its component, which comes last in every pattern."""
+    """Returns a structured name without its component, which comes last in every pattern."""
     pattern = row["name"].removesuffix(".{c}")
     if isinstance(instance, Cell):
         return pattern.format(name=instance.name, i=instance.i, j=instance.j)
@@ -257,7 +261,7 @@ def _row(family: str) -> dict[str, Any]:
 
 
 def _kinds(row: dict[str, Any]) -> tuple[str, ...]:
-    """The kinds of parts that the row's variables belong to; empty where they belong to control points or to the whole."""
+    """Returns the kinds of parts that the row's variables belong to; empty if they belong to control points or to the whole."""
     for placeholder, kinds in (("{obstacle}", OBSTACLES), ("{body}", BODIES)):
         if placeholder in row["name"]:
             return kinds
@@ -270,9 +274,10 @@ def _first_word(name: str) -> str:
 
 @cache
 def _shapes() -> dict[str, list[tuple[str, str, str]]]:
-    """What names look like in either form, by their first word: the pattern, the row's key, and the kind of part or nothing.
+    """Returns the patterns that names match in either form, by their first word: the pattern, the row's key, and the kind of part or
+    nothing.
 
-    Of families of one name the first in the table has it.
+    A name that several families share belongs to the first of them in the table.
     """
     shapes: dict[str, list[tuple[str, str, str]]] = {}
     known = set()

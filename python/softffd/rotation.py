@@ -1,10 +1,10 @@
-"""Rotations: as vectors [rad] along their axis, right-handed, and from one direction or orientation to another."""
+"""Rotations: right-handed rotation vectors along the axis [rad], and rotations from one direction or orientation to another."""
 
 import numpy as np
 
 
 def turned(vectors: np.ndarray, turns: np.ndarray) -> np.ndarray:
-    """vectors (..., 3) turned by rotation vectors (..., 3) [rad] (Rodrigues)."""
+    """Returns vectors (..., 3) rotated by rotation vectors (..., 3) [rad] (Rodrigues)."""
     angle = np.linalg.norm(turns, axis=-1, keepdims=True)
     axis = np.divide(turns, angle, out=np.zeros_like(turns), where=angle > 0)
     along = (axis * vectors).sum(axis=-1, keepdims=True) * axis
@@ -12,13 +12,13 @@ def turned(vectors: np.ndarray, turns: np.ndarray) -> np.ndarray:
 
 
 def quaternion(turn: np.ndarray) -> np.ndarray:
-    """The unit quaternion (w, x, y, z) of a rotation vector (3,) [rad]."""
+    """Returns the unit quaternion (w, x, y, z) of a rotation vector (3,) [rad]."""
     angle = np.linalg.norm(turn)
     return np.array([np.cos(angle / 2), *(np.sin(angle / 2) / angle * turn)]) if angle > 0 else np.array([1.0, 0.0, 0.0, 0.0])
 
 
 def quaternions(turns: np.ndarray) -> np.ndarray:
-    """The unit quaternions (T, 4) (w, x, y, z) of rotation matrices (T, 3, 3), each of the sign that is nearer to the one before."""
+    """Returns the unit quaternions (T, 4) (w, x, y, z) of rotation matrices (T, 3, 3), each of the sign that is nearer to the last."""
     xx, xy, xz, yx, yy, yz, zx, zy, zz = turns.reshape(-1, 9).T
     rows = [
         [xx + yy + zz, zy - yz, xz - zx, yx - xy],
@@ -32,12 +32,12 @@ def quaternions(turns: np.ndarray) -> np.ndarray:
 
 
 def nearer(orientation: np.ndarray, to: np.ndarray) -> np.ndarray:
-    """Of the two quaternions (..., 4) that mean an orientation, q and -q, the one nearer to another quaternion."""
+    """Returns, of the quaternions q and -q (..., 4) of one orientation, the one that is nearer to the quaternion `to`."""
     return np.where((orientation * to).sum(axis=-1, keepdims=True) < 0, -orientation, orientation)
 
 
 def between_directions(first: np.ndarray, last: np.ndarray) -> np.ndarray:
-    """Shortest rotation vector (3,) [rad] from one direction (3,) of any length to another; zero for opposite ones."""
+    """Returns the shortest rotation vector (3,) [rad] from one direction (3,) of any length to another; zero for opposite directions."""
     a, b = first / np.linalg.norm(first), last / np.linalg.norm(last)
     axis = np.cross(a, b)
     sine = np.linalg.norm(axis)
@@ -45,7 +45,7 @@ def between_directions(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 
 
 def between_orientations(first: np.ndarray, last: np.ndarray) -> np.ndarray:
-    """Shortest rotation vector (3,) [rad], world frame, from one orientation (w, x, y, z) of any length to another."""
+    """Returns the shortest rotation vector (3,) [rad], world frame, from one orientation (w, x, y, z) of any length to another."""
     (w1, *v1), (w2, *v2) = first / np.linalg.norm(first), last / np.linalg.norm(last)
     v1, v2 = np.array(v1), np.array(v2)
     w, v = w2 * w1 + v2 @ v1, w1 * v2 - w2 * v1 - np.cross(v2, v1)  # last times the conjugate of first
@@ -54,17 +54,17 @@ def between_orientations(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 
 
 def matrix_of(orientation: np.ndarray) -> np.ndarray:
-    """The rotation matrix (3, 3) of a quaternion (w, x, y, z) of any length."""
+    """Returns the rotation matrix (3, 3) of a quaternion (w, x, y, z) of any length."""
     return turned(np.eye(3), between_orientations(np.eye(4)[0], orientation)).T
 
 
 def matrices(orientations: np.ndarray) -> np.ndarray:
-    """The rotation matrices (T, 3, 3) of unit quaternions (T, 4) (w, x, y, z)."""
+    """Returns the rotation matrices (T, 3, 3) of unit quaternions (T, 4) (w, x, y, z)."""
     scalar, vector = orientations[:, None, :1], orientations[:, None, 1:]
     axes = np.eye(3) + 2 * np.cross(vector, np.cross(vector, np.eye(3)) + scalar * np.eye(3))
     return axes.swapaxes(1, 2)
 
 
 def vector_of(matrix: np.ndarray) -> np.ndarray:
-    """The shortest rotation vector (3,) [rad] of a rotation matrix (3, 3)."""
+    """Returns the shortest rotation vector (3,) [rad] of a rotation matrix (3, 3)."""
     return between_orientations(np.eye(4)[0], quaternions(matrix[None])[0])

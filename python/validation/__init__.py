@@ -1,1 +1,1 @@
-"""What the program measures of itself: accuracy, stability, and the numpy twin."""
+"""Checks of the program against independent references: accuracy, stability, published cases and the numpy twin."""

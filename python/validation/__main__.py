@@ -1,4 +1,4 @@
-"""`python -m validation TOOL`, by which `python3 python/run.py` runs the tools."""
+"""Entry point `python -m validation TOOL`, through which `python3 python/run.py` runs the tools."""
 
 import sys
 

@@ -1,7 +1,7 @@
-"""The car that the demonstration deforms: made of formulas, so that the project needs no one else's model.
+"""The car that the demonstration deforms. The car is made of formulas, so that the project needs no third-party model.
 
-The shipped car.obj is what `save_mesh` writes of it. The body is a loft (car_body.py); wheels, lamps and mirrors are
-closed solids of revolution. Colours are places in a small palette image: one texture coordinate for each face.
+The shipped car.obj is written from this mesh by `save_mesh`. The body is a loft (car_body.py); wheels, lamps and mirrors are
+closed solids of revolution. A colour is a position in a small palette image, with one texture coordinate for each face.
 """
 
 import numpy as np
@@ -29,14 +29,14 @@ Part = tuple[np.ndarray, np.ndarray, list[str]]
 _TREAD = [(0.275, -0.10), (0.303, -0.075), (0.31, -0.03), (0.31, 0.03), (0.303, 0.075), (0.275, 0.10)]
 _TYRE = [(0.0, -0.10), (0.20, -0.10), *_TREAD, (0.215, 0.095)]
 _RIM = [(0.20, 0.06), (0.09, 0.05), (0.06, 0.085), (0.0, 0.09)]
-"""Section of a wheel from inside to outside: (radius, place along the axle)."""
+"""Section of a wheel from inside to outside: (radius, position along the axle)."""
 
 
 def car_mesh() -> Mesh:
-    """Return the car: 4 m long, 1.7 m wide and 1.4 m high, its front at +x, its wheels on z = 0.
+    """Returns the car: 4 m long, 1.7 m wide and 1.4 m high, with its front at +x and its wheels on z = 0.
 
-    Centred in x and y. About 4,500 vertices (4,000 positions); every part is a closed surface, so the whole has a
-    volume. The coordinates are rounded to 0.1 mm.
+    The car is centred in x and y and has about 4,500 vertices (4,000 positions). Every part is a closed surface, so the whole
+    has a volume. The coordinates are rounded to 0.1 mm.
     """
     parts = [body(), *_wheels(), *_fittings()]
     starts = np.cumsum([0, *(len(vertices) for vertices, _, _ in parts)])
@@ -46,13 +46,13 @@ def car_mesh() -> Mesh:
 
 
 def _fitted(vertices: np.ndarray) -> np.ndarray:
-    """The vertices stretched, by two hundredths at most, to the stated bounding box."""
+    """Returns the vertices scaled, by at most two hundredths, to the stated bounding box."""
     low, high = bounding_box(vertices)
     return (vertices - low) / (high - low) * [LENGTH, WIDTH, HEIGHT] - [LENGTH / 2, WIDTH / 2, 0.0]
 
 
 def _coloured(vertices: np.ndarray, faces: np.ndarray, names: list[str]) -> Mesh:
-    """The mesh with its palette as texture; a vertex where colours meet is there once for each."""
+    """Returns the mesh with the palette as texture. A vertex where colours meet is duplicated for each colour."""
     n = len(PALETTE)
     place = {name: number for number, name in enumerate(PALETTE)}
     colours = np.array([place[name] for name in names])
@@ -73,7 +73,7 @@ def _wheels() -> list[Part]:
 
 
 def _fittings() -> list[Part]:
-    """Headlamps and mirrors: ellipsoids set into the body."""
+    """Returns headlamps and mirrors, which are ellipsoids set into the body."""
     arc = [(np.sin(t), -np.cos(t)) for t in np.linspace(0, np.pi, 8)]
     vertices, faces, _ = _revolved(arc, ["paint"] * 7, segments=12)
     shapes = [
@@ -88,7 +88,7 @@ def _fittings() -> list[Part]:
 
 
 def _revolved(profile: list[tuple[float, float]], colours: list[str], *, segments: int) -> Part:
-    """A closed solid of revolution about y; `profile` goes from pole to pole, with a colour for each step."""
+    """Returns a closed solid of revolution about y. `profile` runs from pole to pole, with a colour for each step."""
     radii, places = np.array(profile).T
     angles = 2 * np.pi * np.arange(segments) / segments
     x, z = np.outer(radii, np.sin(angles)), np.outer(radii, -np.cos(angles))

@@ -1,8 +1,8 @@
-"""The body of the demonstration's car: a loft, made of formulas.
+"""The body of the demonstration car: a loft made of formulas.
 
-One closed loop of points at each station x along the car, one grid of stations and rows. Half a loop runs
-from the floor's middle outwards, up the inner wall of the wheel arch, out under its roof, up the side to the
-belt line, past the window to the roof's rail and inwards to the roof's middle; the other half is its mirror
+The loft is a grid of stations and rows, with one closed loop of points at each station x along the car. Half a loop runs
+from the middle of the floor outwards, up the inner wall of the wheel arch, out under the roof of the arch, up the side to the
+belt line, past the window to the rail of the roof and inwards to the middle of the roof. The other half is the mirror
 image:
 
             rail .---------------. rail      rows   0- 2  floor
@@ -12,15 +12,15 @@ image:
                |__   _________   __|               18-23  roof, bonnet, boot
              arch |__|  floor |__|
 
-Stations lie where something changes: on the circles of the wheel arches, at the edges of windows, close
-together at both ends, which round themselves off to a flat bumper. All lengths in m, before the car is fitted
-to its bounding box.
+Stations lie where the shape changes: on the circles of the wheel arches, at the edges of the windows, and close together
+at both ends of the car, which are rounded off to a flat bumper. All lengths are in m and hold before the car is fitted to
+its bounding box.
 """
 
 import numpy as np
 
 AXLE_X, AXLE_Z, ARCH = 1.24, 0.31, 0.375
-"""Place of the wheels' axles and radius of the arches."""
+"""Position of the wheel axles and radius of the wheel arches."""
 
 _TIP, _END = 1.80, 2.0
 _FLOOR = np.array([0.0, 0.5, 1.0])
@@ -35,11 +35,11 @@ _SIDE_PANES = [(-1.13, -0.445), (-0.355, 0.58)]
 _SCREENS = [(-1.44, -0.88), (0.09, 0.76)]
 _SINK = 0.014
 _ACROSS, _BOW = np.array([1.0, 0.78, 0.5, 0.2, -0.2, -0.5, -0.78, -1.0]), 0.02
-"""Columns of the panels at both ends (shares of the half width), and their bulge (share of the length)."""
+"""Columns of the panels at both ends (fractions of the half width), and the bulge of the panels (fraction of the length)."""
 
 
 def body() -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Return vertices (V, 3), faces (F, 3) and the name of each face's colour."""
+    """Returns the vertices (V, 3), the faces (F, 3) and the colour name of each face."""
     half = _rounded_ends(_half_grid())
     panes = _pane_cells(half)
     half = _sunk(half, panes)
@@ -55,7 +55,7 @@ def body() -> tuple[np.ndarray, np.ndarray, list[str]]:
 
 
 def _course(x: np.ndarray, knots: dict[float, float], rounding: float = 0.09) -> np.ndarray:
-    """Straight lines between the knots {x: value}, their corners rounded over +-`rounding`."""
+    """Returns the values at x of straight lines between the knots {x: value}, with corners rounded over +-`rounding`."""
     offsets = np.linspace(-1, 1, 41)
     bell = (1 - offsets**2) ** 2
     values = np.interp(np.asarray(x)[..., None] + rounding * offsets, list(knots), list(knots.values()))
@@ -68,7 +68,7 @@ def _belt(x: np.ndarray) -> np.ndarray:
 
 
 def _rail(x: np.ndarray) -> np.ndarray:
-    """Height of the roof's rail; on bonnet and boot, of the edge where the side turns into the top."""
+    """Returns the height of the roof rail, or on bonnet and boot the height of the edge between side and top."""
     lift = {-2.0: 0.03, -1.5: 0.04, -0.83: 0.405, -0.35: 0.44, 0.08: 0.425, 0.82: 0.04, 1.4: 0.03, 2.0: 0.025}
     return _belt(x) + _course(x, lift)
 
@@ -78,12 +78,12 @@ def _rail_y(x: np.ndarray) -> np.ndarray:
 
 
 def _crown(x: np.ndarray) -> np.ndarray:
-    """How much higher the middle is than the rail."""
+    """Returns the height of the middle of the roof above the rail."""
     return _course(x, {-2.0: 0.03, -1.50: 0.045, -0.83: 0.065, 0.08: 0.07, 0.82: 0.075, 1.6: 0.06, 2.0: 0.04})
 
 
 def _side_y(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Half the width at height z: widest at 0.58, drawn in at both ends, with a lip round the arches."""
+    """Returns half the width at height z. The body is widest at 0.58, drawn in at both ends, and has a lip round the arches."""
     half = _course(x, {-2.0: 0.765, -1.6: 0.80, -1.0: 0.825, 1.0: 0.825, 1.6: 0.80, 2.0: 0.74}, 0.25)
     lean = np.where(z > 0.58, 0.35, 0.55) * (z - 0.58) ** 2
     ring = np.hypot(np.abs(x) - AXLE_X, z - AXLE_Z) - ARCH
@@ -91,14 +91,14 @@ def _side_y(x: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def _lower_edge(x: np.ndarray) -> np.ndarray:
-    """Height of the side's lower edge: the sill, or the circle over a wheel."""
+    """Returns the height of the lower edge of the side: the sill, or the circle over a wheel."""
     inside = ARCH**2 - (np.abs(x) - AXLE_X) ** 2
     sill = _course(x, {-2.0: 0.25, -1.5: 0.185, 1.5: 0.185, 2.0: 0.24})
     return np.where(inside > -1e-9, AXLE_Z + np.sqrt(np.maximum(inside, 0)), sill)
 
 
 def _stations() -> np.ndarray:
-    """x of the loops, from the rear to the front."""
+    """Returns the positions x of the loops, from the rear to the front."""
     arch = ARCH * np.cos(np.radians([0, 15, 31, 47, 62, 76, 90, 104, 118, 133, 149, 165, 180]))
     arch = np.concatenate([[-ARCH - 0.004], arch, [ARCH + 0.004]])
     end = _TIP + (_END - _TIP) * np.sin(np.radians([0, 25, 48, 70, 90]))
@@ -109,7 +109,7 @@ def _stations() -> np.ndarray:
 
 
 def _half_grid() -> np.ndarray:
-    """The left half of the loops, (stations, rows, 3), their ends not yet rounded."""
+    """Returns the left half of the loops (stations, rows, 3), before the ends of the car are rounded."""
     x = _stations()[:, None]
     floor = _course(x, {-2.0: 0.30, -1.5: 0.215, 1.5: 0.215, 2.0: 0.28})
     low, belt, rail, inner = _lower_edge(x), _belt(x), _rail(x), 0.54
@@ -129,7 +129,7 @@ def _half_grid() -> np.ndarray:
 
 
 def _rounded_ends(half: np.ndarray) -> np.ndarray:
-    """The loops beyond the tip drawn towards a flat bumper, along an ellipse's quarter."""
+    """Returns the loops with those beyond the tip drawn towards a flat bumper, along a quarter of an ellipse."""
     x, rows = half[:, :1, 0], np.linspace(0, 1, half.shape[1])
     width = 0.64 * (1 - np.abs(2 * rows - 1) ** 6) ** 0.5
     height = np.where(x > 0, 0.34 + 0.27 * rows, 0.34 + 0.41 * rows)
@@ -141,7 +141,7 @@ def _rounded_ends(half: np.ndarray) -> np.ndarray:
 
 
 def _pane_cells(half: np.ndarray) -> np.ndarray:
-    """Which cells of the half grid, (stations - 1, rows - 1), are glass."""
+    """Returns a mask (stations - 1, rows - 1) of the cells of the half grid that are glass."""
     x = half[:, 0, 0]
     middle = (x[1:] + x[:-1]) / 2
     glass = np.zeros((half.shape[0] - 1, half.shape[1] - 1), dtype=bool)
@@ -152,7 +152,7 @@ def _pane_cells(half: np.ndarray) -> np.ndarray:
 
 
 def _sunk(half: np.ndarray, panes: np.ndarray) -> np.ndarray:
-    """The panes' inner points moved inwards, so that each pane lies in a frame."""
+    """Returns the half grid with the inner points of the panes moved inwards, so that each pane lies in a frame."""
     around = np.pad(panes, ((1, 1), (1, 1)))
     around[:, -1] = around[:, -2]
     inner = around[1:, 1:] & around[:-1, 1:] & around[1:, :-1] & around[:-1, :-1]
@@ -183,7 +183,7 @@ def _rear_colours() -> np.ndarray:
 
 
 def _end(vertices: np.ndarray, loop: np.ndarray, rows: int, colours: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, list[str]]]:
-    """The vertices and those of a bowed panel that closes the loop, and its faces and colours, facing +x."""
+    """Returns the vertices extended by a bowed panel that closes the loop, and the faces (facing +x) and colours of the panel."""
     left, right = loop[:rows], np.roll(loop[::-1], 1)[:rows]
     across = _ACROSS[1:-1]
     shape = np.stack([1 + _BOW * (1 - across**2), across, np.ones_like(across)], axis=1)
@@ -195,10 +195,10 @@ def _end(vertices: np.ndarray, loop: np.ndarray, rows: int, colours: np.ndarray)
 
 
 def cells(index: np.ndarray, colours: np.ndarray, *, closed: bool) -> tuple[np.ndarray, list[str]]:
-    """Return two triangles for each cell of a grid, but none where corners coincide, and their colours.
+    """Returns two triangles for each cell of a grid, and their colours. Triangles with coincident corners are left out.
 
-    index: (a, b) numbers of the vertices; first axis x second axis points inwards. closed: the second axis is a
-    loop. colours: (a - 1, b) names if closed, else (a - 1, b - 1).
+    index: numbers of the vertices (a, b); first axis x second axis points inwards. closed: the second axis is a
+    loop. colours: names, (a - 1, b) if closed, else (a - 1, b - 1).
     """
     upwards = np.roll(index, -1, axis=1) if closed else index[:, 1:]
     index = index if closed else index[:, :-1]

@@ -1,8 +1,8 @@
-"""The files that the rules of the FMI Cross-Check (version 4.1, section 9.1.4) ask of an exporting tool, for every shipped scene:
+"""Writes the files that the FMI Cross-Check (version 4.1, section 9.1.4) requires of an exporting tool, for every shipped scene:
 
     python3 python/run.py cross-check FOLDER
 
-writes fmus/2.0/cs/PLATFORM/softffd/VERSION/NAME with NAME.fmu, NAME_ref.opt, NAME_ref.csv and, where the scene has inputs over time,
+writes fmus/2.0/cs/PLATFORM/softffd/VERSION/NAME with NAME.fmu, NAME_ref.opt, NAME_ref.csv and, if the scene has inputs over time,
 NAME_in.csv into the folder. The FMUs have flat names, which no reader of CSV files splits.
 """
 
@@ -27,20 +27,20 @@ from softffd.scene.document import shipped_scenes
 from softffd.scene.scene import Scene, load_scene
 
 PLACE = Path("fmus", "2.0", "cs", fmpy.platform, "softffd", __version__)
-MOST = 10  # variables in a reference file, by the rules
+MOST = 10  # most variables in a reference file, by the rules
 LEFT_OUT = re.compile("solver_|p.*_torque|plane_centre")
-LEAST = 1e-6  # a component that moves by less than this of the vector's largest is rounding, which no importer should be judged by
+LEAST = 1e-6  # a component whose range is below this fraction of its vector's largest is rounding, by which no importer should be judged
 
 
 def inputs_over_time(scene: str) -> Source | None:
-    """What drives a shipped scene: its own inputs, or what sets the plain component going."""
+    """Returns the inputs of a shipped scene; for the scene "standard", a force that sets the component in motion."""
     if scene == "standard":
         return lambda time: {"force[3,3,3].z": 5.0 * math.sin(10.0 * time)}
     return load_scene(scene).default_inputs
 
 
 def write_cross_check(folder: Path, names: Iterable[str] | None = None) -> list[Path]:
-    """Writes the files of the shipped scenes (of all by default) and returns their paths."""
+    """Writes the files of the named shipped scenes (all by default) and returns the paths of the files."""
     return [file for name in names or shipped_scenes() for file in _write(folder / name, name)]
 
 
@@ -72,14 +72,14 @@ def _options(scene: Scene) -> str:
 
 
 def _reference(result: Result) -> dict[str, np.ndarray]:
-    """Probes and opposite corners of the lattice, then reactions and energies, as far as they change."""
+    """Returns the reference variables that change: first probes and opposite corners of the lattice, then reactions and energies."""
     corners = [(0, 0, 0), tuple(count - 1 for count in result.positions.shape[1:4])]
     columns = {key: values for key, values in result.outputs.items() if (found := parse_name(key)) and not LEFT_OUT.match(found.family)}
     for corner in corners:
         columns |= dict(zip(variable_names("position", [corner], flat=True), result.positions[:, *corner].T, strict=True))
     moved: dict[str, float] = {}
     for key, values in columns.items():
-        least = 1.0 if _vector(key).endswith(".orientation") else 0.0  # of a body that does not turn it is noise
+        least = 1.0 if _vector(key).endswith(".orientation") else 0.0  # without rotation its changes are noise
         moved[_vector(key)] = max(moved.get(_vector(key), least), np.ptp(values))
     chosen = [key for key in columns if np.ptp(columns[key]) > LEAST * moved[_vector(key)]]
     chosen.sort(key=lambda key: not key.startswith(("probe", "position")))

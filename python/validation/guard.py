@@ -1,4 +1,4 @@
-"""Runs what may hang or crash in a process of its own, so that a hang or a crash is a result and not the end."""
+"""Runs jobs that may hang or crash in separate processes, so that a hang or a crash is a result and does not end the program."""
 
 from __future__ import annotations
 
@@ -19,33 +19,34 @@ from typing import Any
 from softffd.errors import SoftffdError
 
 START_UP = 60.0
-"""A process gets this long to start [s]."""
+"""Time allowed for the start of a process [s]"""
 GRACE = 0.5
-"""So much later [s] than the processes, at most, is this one terminated where all are: then their jobs are not lost, but interrupted."""
+"""If all processes are terminated together, this process ends at most this much later than the others [s]. A wait of this length makes the
+jobs count as interrupted, not as lost."""
 LONGEST_FOLDER = 74
-"""Bytes of the folder for temporary files: the server's socket lies in it, in 33 bytes more, and Linux gives the path of a socket 107."""
+"""Longest path of the folder for temporary files [bytes]. The fork server's socket in that folder adds 33; Linux limits its path to 107."""
 
 Work = Callable[[Sequence[Any]], Iterator[Any]]
 
 
 @dataclass(frozen=True)
 class Lost:
-    """No result: why."""
+    """The reason why a job has no result."""
 
     how: str
-    """ "hang", "crash" or "fault" (of the program that measures)"""
+    """ "hang", "crash" or "fault" (an exception of the measuring program)"""
     words: str
 
 
 def guarded(
     work: Work, jobs: Sequence[Any], patience: Callable[[Any], float], processes: int = 1, together: int = 8
 ) -> Iterator[tuple[Any, Any]]:
-    """Each job with its result, in order if there is one process. work(jobs) yields them elsewhere; both must be importable there.
+    """Yields each job with its result, in order if there is one process. work(jobs) yields the results in another process, in which work
+    and jobs must be importable.
 
-    patience(job): a job that takes longer [s] is Lost as a hang; one that takes the process down is Lost as a crash. The jobs after it
-    go to a new process. together: jobs that one of several processes runs one after the other. Leaving the iteration early ends the
-    processes. SoftffdError if there are none.
-    """
+    patience(job): time limit [s]. A job above the limit is Lost as a hang, and a job that ends the process is Lost as a crash. The jobs
+    after a lost job go to a new process. together: number of jobs that one of several processes runs one after the other. Leaving the
+    iteration early ends the processes. Raises SoftffdError if processes < 1."""
     if processes < 1:
         raise SoftffdError(f"--jobs {processes}: wanted at least 1")
     size = max(1, len(jobs) if processes == 1 else together)
@@ -70,7 +71,7 @@ def guarded(
 
 
 class _Batch:
-    """Jobs for one process after another: a new one after each that is lost."""
+    """Jobs for one process at a time. A new process starts after each lost job."""
 
     def __init__(self, work: Work, jobs: Sequence[Any], patience: Callable[[Any], float]):
         self._work, self.left, self._patience = work, list(jobs), patience
@@ -79,7 +80,7 @@ class _Batch:
         context: Any = multiprocessing.get_context(_way(self._work))
         self.results, sender = context.Pipe(duplex=False)
         self._scratch = tempfile.TemporaryDirectory(prefix="softffd-", ignore_cleanup_errors=True)
-        """The process's temporary files, which it may have no time to remove"""
+        """Folder for the temporary files of the process, which may have no time to remove them"""
         self._process = context.Process(target=_serve, args=(self._work, self.left, sender, self._scratch.name), daemon=True)
         with _no_script():
             self._process.start()
@@ -91,7 +92,7 @@ class _Batch:
         self._allowed, self.deadline = seconds, clock.monotonic() + seconds
 
     def news(self, ready: bool) -> list[tuple[Any, Any]]:
-        """A job with its result, or nothing when the process has just told that it is up. ready: it has told something."""
+        """Returns a job with its result, or nothing if the process has just reported its start. ready: the process has sent a message."""
         result = self._told() if ready else Lost("hang", f"no answer within {self._allowed:g} s")
         lost, news = isinstance(result, Lost), [(self.left[0], result)]
         if lost or self._started:
@@ -114,7 +115,7 @@ class _Batch:
     def _told(self) -> Any:
         try:
             return self.results.recv()
-        except (EOFError, OSError):  # it ended, between messages or within one
+        except (EOFError, OSError):  # the process ended, between messages or within a message
             self._process.join()
             if self._process.exitcode == -signal.SIGTERM:
                 clock.sleep(GRACE)
@@ -122,7 +123,7 @@ class _Batch:
 
 
 def _way(work: Work) -> str:
-    """The quickest safe way to start a process: forked from a server that has what the work needs imported, where there is such a thing."""
+    """Returns the fastest safe start method: a fork from a server that has imported the module of the work, where available, else spawn."""
     long = len(os.fsencode(tempfile.gettempdir())) > LONGEST_FOLDER
     if "forkserver" not in multiprocessing.get_all_start_methods() or sys.platform == "darwin" or long:
         return "spawn"
@@ -132,7 +133,7 @@ def _way(work: Work) -> str:
 
 @contextmanager
 def _no_script() -> Iterator[None]:
-    """A process that starts meanwhile does not run the user's script again, which need not be made for that."""
+    """Keeps a process that starts in this context from running the user's script again, which need not be written for that."""
     script = sys.modules["__main__"]
     sys.modules["__main__"] = ModuleType("__main__")
     try:

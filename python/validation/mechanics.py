@@ -1,8 +1,8 @@
-"""The mechanics once more, in numpy, to check the component against: springs, dashpots, masses, damping, outside forces, the start.
+"""The mechanics in numpy, against which the component is checked: springs, dashpots, masses, damping, external forces, initial state.
 
-After Xia & Wang 2009, sections 1.1 and 1.2. The twin, the oracles of the stability cases and the right-hand side for SciPy stand on it.
-Imports numpy alone, for it travels inside the twin's FMU. `scene` is the dictionary that `validation.resolved` makes. Control
-points are in flat order, p = i + nx (j + ny k); arrays of them are (n, 3); SI units.
+The module follows Xia & Wang 2009, sections 1.1 and 1.2. The twin, the oracles of the stability cases and the right-hand side for SciPy
+use it. The module imports numpy alone because it is copied into the twin's FMU. `scene` is the dictionary that `validation.resolved`
+makes. Control points are in flat order, p = i + nx (j + ny k); arrays of control points are (n, 3), in SI units.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ AXES = "xyz"
 
 
 def spring_list(counts: Sequence[int], topology: str) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of control points (s, 2) and their kind (s,): 1 edge, 2 face, 3 body diagonal (figure 1).
+    """Returns the pairs of control points (s, 2) that springs join, and the kinds (s,): 1 edge, 2 face, 3 body diagonal (figure 1).
 
-    topology "paper" makes edge springs face by face: those on the edges of the box come twice.
+    topology "paper" makes edge springs face by face, so that springs on the edges of the box occur twice.
     """
     place = np.arange(np.prod(counts)).reshape(counts[::-1]).T  # place[i, j, k] = p
     pairs, kinds = [], []
     for way in product((-1, 0, 1), repeat=3):
         if way <= (0, 0, 0):
-            continue  # the opposite way makes the same springs
+            continue  # the opposite direction gives the same springs
         here = tuple(slice(max(0, -d), n - max(0, d)) for d, n in zip(way, counts, strict=True))
         there = tuple(slice(max(0, d), n + min(0, d)) for d, n in zip(way, counts, strict=True))
         found = np.stack([place[here], place[there]], axis=-1).reshape(-1, 2)
@@ -40,7 +40,7 @@ def spring_list(counts: Sequence[int], topology: str) -> tuple[np.ndarray, np.nd
 
 
 def _on_box_edge(pairs: np.ndarray, counts: Sequence[int]) -> np.ndarray:
-    """1 for the edge springs (s, 2) that lie on one of the twelve edges of the box."""
+    """Returns 1 for each edge spring (s, 2) that lies on one of the twelve edges of the box, else 0: (s,)."""
     ends = np.stack(np.unravel_index(pairs, counts, order="F"), axis=-1)  # (s, 2, axis)
     outside = (ends == 0) | (ends == np.array(counts) - 1)
     along = ends[:, 0] != ends[:, 1]
@@ -48,10 +48,10 @@ def _on_box_edge(pairs: np.ndarray, counts: Sequence[int]) -> np.ndarray:
 
 
 def solid_shares(sides: Sequence[float]) -> dict[tuple[int, int, int], float]:
-    """Stiffness [N/m] of a cell's springs by the axes that they cross, (1, 1, 0) a diagonal of the x-y faces, of modulus 1 Pa.
+    """Returns the stiffness [N/m] of a cell's springs for modulus 1 Pa, by the axes that a spring spans: (1, 1, 0) is an x-y face diagonal.
 
-    sides: of the cell [m]. Found from what they are for: six numbers by which homogeneous strains cost what they do in an isotropic
-    solid of Poisson's ratio 1/4, C_iijj = sum of k (l_i l_j / |l|)^2 / V over what of springs is one cell's, 3 edges and 6 diagonals.
+    sides: of the cell [m]. The six stiffnesses give homogeneous strains the energy of an isotropic solid of Poisson's ratio 1/4,
+    C_iijj = sum of k (l_i l_j / |l|)^2 / V over the springs attributed to one cell, 3 edges and 6 diagonals.
     """
     squares = np.array(sides, float) ** 2
     ways = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (1, 0, 1), (0, 1, 1)])
@@ -64,23 +64,23 @@ def solid_shares(sides: Sequence[float]) -> dict[tuple[int, int, int], float]:
 
 
 class Cells:
-    """The cells of a scene's lattice, and the springs (s, 2) between control points that they share."""
+    """The cells of a scene's lattice, and the springs (s, 2) between control points that the cells share."""
 
     def __init__(self, scene: Mapping[str, Any], pairs: np.ndarray):
         self.counts = np.array(scene["counts"])
         ends = np.stack(np.unravel_index(pairs, self.counts, order="F"), axis=-1)  # (s, 2, axis)
         low, high, self.ways = ends.min(axis=1), ends.max(axis=1), np.ptp(ends, axis=1)
         shares = solid_shares(np.array(scene["size"]) / (self.counts - 1))
-        neighbours = 2 ** (3 - self.ways.sum(axis=1))  # that share a spring inside
+        neighbours = 2 ** (3 - self.ways.sum(axis=1))  # number of cells that share an interior spring
         self.share = np.array([shares.get(tuple(way), 0.0) for way in self.ways.tolist()]) / neighbours
-        self.around = []  # which springs a cell beside them holds, and the cell
+        self.around = []  # for each of 8 positions beside a spring: the springs with a cell there, and the cells
         for step in product((0, 1), repeat=3):
             cell = high - 1 + step
             held = np.flatnonzero(((cell >= 0) & (cell < self.counts - 1) & (cell <= low)).all(axis=1))
             self.around.append((held, tuple(cell[held].T)))
 
     def values(self, of_all: float, regions: Sequence[Mapping[str, Any]], key: str) -> np.ndarray:
-        """A value of each cell, its own where a region has all its corners."""
+        """Returns a value per cell: the value of a region that contains all corners of the cell, else `of_all`."""
         found = np.full(self.counts - 1, of_all, float)
         for region in regions:
             if region[key] is not None:
@@ -90,7 +90,7 @@ class Cells:
         return found
 
     def stiffness(self, modulus: np.ndarray) -> np.ndarray:
-        """Of each spring (s,) [N/m], where the cells have this modulus [Pa]."""
+        """Returns the stiffness of each spring (s,) [N/m]. modulus: of each cell [Pa]."""
         total = np.zeros(len(self.share))
         for held, cell in self.around:
             total[held] += self.share[held] * modulus[cell]
@@ -99,13 +99,13 @@ class Cells:
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """What eq. (3) and (6) know of the object: springs between pairs (s, 2) of points, and the points."""
+    """The quantities of the object in eq. (3) and (6): springs between pairs (s, 2) of points, and the points."""
 
     pairs: np.ndarray
     stiffness: np.ndarray  # (s,) N/m
     length: np.ndarray  # (s,) m
     mass: np.ndarray  # (n,) kg
-    weight: np.ndarray  # (n,) kg, what gravity pulls at
+    weight: np.ndarray  # (n,) kg, mass on which gravity acts
     damping: np.ndarray  # (n,) N s/m
     dashpot: np.ndarray  # (s,) N s/m
 
@@ -120,8 +120,8 @@ class Body:
         damping: float | None = None,
         internal_damping: float | None = None,
     ) -> Body:
-        """The scene's body, with another mass [kg], stiffness of edge, face and body springs (3,) [N/m] or modulus [Pa], damping of a point
-        [N s/m] or of springs [s] if that is given. Regions keep their own."""
+        """Returns the body of a scene. Given arguments replace the total mass [kg], the stiffness of edge, face and body springs (3,) [N/m]
+        or the modulus [Pa], the damping of a point [N s/m] or the internal damping [s]. Regions keep their own values."""
         mass, rest = np.array(scene["mass"]), np.array(scene["rest"])
         pairs, kinds = spring_list(scene["counts"], scene["topology"])
         time = scene["internal_damping"] if internal_damping is None else internal_damping
@@ -145,20 +145,20 @@ class Body:
         return cls(pairs, of_springs, length, mass * scale, weight * scale, of_points, dashpots)
 
     def stretch(self, x: np.ndarray) -> np.ndarray:
-        """How much longer than at rest the springs are (s,) [m]."""
+        """Returns the elongation of the springs relative to rest (s,) [m]."""
         a, b = self.pairs.T
         return np.linalg.norm(x[b] - x[a], axis=1) - self.length
 
     def elastic_energy(self, x: np.ndarray) -> float:
-        """Of all springs [J]."""
+        """Returns the elastic energy of all springs [J]."""
         return float(0.5 * self.stiffness @ self.stretch(x) ** 2)
 
     def kinetic_energy(self, v: np.ndarray) -> float:
-        """Of all points [J]."""
+        """Returns the kinetic energy of all points [J]."""
         return float(0.5 * self.mass @ (v**2).sum(axis=1))
 
     def spring_force(self, x: np.ndarray) -> np.ndarray:
-        """Forces on the points (n, 3) [N], eq. (6): stretched pairs attract; no length, no pull."""
+        """Returns the spring forces on the points (n, 3) [N], eq. (6). Stretched springs attract; a spring of zero length has no force."""
         a, b = self.pairs.T
         d = x[b] - x[a]
         r = np.linalg.norm(d, axis=1)
@@ -167,7 +167,7 @@ class Body:
         return np.stack([np.bincount(a, f, len(x)) - np.bincount(b, f, len(x)) for f in pull.T], axis=1)
 
     def dashpot_force(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Forces of the dashpots on the points (n, 3) [N]: against the rate of each spring's length, along the spring."""
+        """Returns the dashpot forces on the points (n, 3) [N]. They act along each spring, against the rate of its length."""
         a, b = self.pairs.T
         d = x[b] - x[a]
         r2 = (d**2).sum(axis=1)
@@ -176,7 +176,7 @@ class Body:
         return np.stack([np.bincount(a, f, len(x)) - np.bincount(b, f, len(x)) for f in pull.T], axis=1)
 
     def stable_step(self) -> float:
-        """A step [s] stable in any configuration: 2 / omega, bounded as in fmu_src/core/body/stability.hpp."""
+        """Returns a step [s] that is stable in any configuration: 2 / omega, with omega bounded as in fmu_src/core/body/stability.hpp."""
         square = np.zeros(len(self.mass))
         for here, there in (self.pairs.T, self.pairs.T[::-1]):
             share = 1 + np.sqrt(self.mass[here] / self.mass[there])
@@ -186,7 +186,7 @@ class Body:
 
 
 def _of_regions(values: np.ndarray, pairs: np.ndarray, regions: Sequence[Mapping[str, Any]], key: str) -> np.ndarray:
-    """Values of springs, those of a region for springs with both ends in it."""
+    """Returns the values of the springs (s,), with a region's value for springs that have both ends in the region."""
     for region in regions:
         if region[key] is not None:
             values[np.isin(pairs, region["points"]).all(axis=1)] = region[key]
@@ -194,9 +194,9 @@ def _of_regions(values: np.ndarray, pairs: np.ndarray, regions: Sequence[Mapping
 
 
 def start(scene: Mapping[str, Any], *, rotation: Sequence[float] | np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Positions [m] and velocities [m/s] at the start, (n, 3) each; pins and planes have not acted yet.
+    """Returns the positions [m] and velocities [m/s] at the start, (n, 3) each, before pins and planes act.
 
-    rotation: vector (3,) [rad] by which the body starts turned about the centre of its box; absent: the scene's.
+    rotation: initial rotation vector (3,) [rad] of the body about the centre of its box; by default that of the scene.
     """
     initial = {key: np.array(value) for key, value in scene["initial"].items()}
     origin, half = np.array(scene["origin"]), np.array(scene["size"]) / 2
@@ -211,9 +211,9 @@ def start(scene: Mapping[str, Any], *, rotation: Sequence[float] | np.ndarray | 
 
 
 def outside_force(scene: Mapping[str, Any], values: Mapping[str, Any]) -> np.ndarray:
-    """Forces of the scene's loads and force inputs on the points (..., n, 3) [N], without gravity.
+    """Returns the forces of the scene's loads and force inputs on the points (..., n, 3) [N], without gravity.
 
-    values: numbers, or arrays (...) of one shape, by name; what is not there is 0. A load is shared equally by its points.
+    values: numbers, or arrays (...) of one shape, by name; missing values are 0. A load is divided equally among its points.
     """
     shape = np.shape(next(iter(values.values()), 0.0))
     force = np.zeros((*shape, len(scene["mass"]), 3))

@@ -1,6 +1,6 @@
-"""A solid of finite elements once more, in numpy, from its formulas and not from the component: strain, energy, frequencies.
+"""An independent implementation of the finite-element solid in numpy, from its formulas and not from the component.
 
-Nodes are in flat order, p = i + nx (j + ny k); arrays of them are (n, 3), SI units.
+The module computes strain, energy and frequencies. Nodes are in flat order, p = i + nx (j + ny k); node arrays are (n, 3), in SI units.
 """
 
 from __future__ import annotations
@@ -10,15 +10,15 @@ import numpy as np
 from softffd.scene.scene import Scene
 
 PLACES = np.array([0.0, (1 - 1 / np.sqrt(5)) / 2, (1 + 1 / np.sqrt(5)) / 2, 1.0])
-"""Gauss-Lobatto points on an axis of a patch"""
+"""Gauss-Lobatto points on an axis of a patch, from 0 to 1"""
 WEIGHTS = np.array([1.0, 5.0, 5.0, 1.0]) / 12
-"""Of the quadrature at them"""
+"""Quadrature weights of the points PLACES"""
 LEAST_VOLUME = 0.3
-"""J below which a node is pressed apart"""
+"""Volume ratio J below which a penalty energy pushes a node apart"""
 
 
 class Patches:
-    """The solid of a scene: strain, energy and frequencies of its nodes."""
+    """The solid of a scene. Computes strain, energy and frequencies from the positions of the nodes."""
 
     def __init__(self, scene: Scene):
         material, counts, size = scene.material, np.array(scene.lattice.points), np.array(scene.lattice_box.size)
@@ -29,7 +29,7 @@ class Patches:
         sides = size / along
         slope = np.array([np.polyder(np.poly1d(PLACES[np.arange(4) != s], r=True))(PLACES) for s in range(4)])
         scale = [np.prod(PLACES[s] - PLACES[np.arange(4) != s]) for s in range(4)]
-        derivative = (slope / np.array(scale)[:, None]).T  # of the cubic that is 1 at node s, at node i
+        derivative = (slope / np.array(scale)[:, None]).T  # [i, s]: at node i, of the cubic that is 1 at node s
         one, unit = derivative, np.eye(4)
         # axes: node (k, j, i) of a patch, from node (k, j, i)
         self.gradient = np.stack(
@@ -50,15 +50,15 @@ class Patches:
         self.patches = indices @ [1, counts[0], counts[0] * counts[1]]  # (patches, 64)
 
     def strain(self, y: np.ndarray) -> np.ndarray:
-        """dx/dX at the nodes of each patch (..., patches, 64, 3, 3) of their positions y (..., n, 3) [m]."""
+        """Returns the deformation gradient dx/dX at the nodes of each patch (..., patches, 64, 3, 3). y: node positions (..., n, 3) [m]."""
         return np.einsum("agn,...pnc->...pgca", self.gradient, y[..., self.patches, :])
 
     def volumes(self, y: np.ndarray) -> np.ndarray:
-        """J at the nodes of each patch (..., patches, 64)."""
+        """Returns the volume ratio J at the nodes of each patch (..., patches, 64) for node positions y (..., n, 3) [m]."""
         return np.linalg.det(self.strain(y))
 
     def energy(self, y: np.ndarray) -> np.ndarray:
-        """Of positions (..., n, 3) [m], (...) [J]."""
+        """Returns the elastic energy (...) [J] for node positions y (..., n, 3) [m]."""
         f = self.strain(y)
         j = np.linalg.det(f)
         q, less = j - 1, np.maximum(LEAST_VOLUME - j, 0)
@@ -67,7 +67,7 @@ class Patches:
         return ((own + self.la / 2 * projected**2) @ self.weight).sum(axis=-1)
 
     def stiffness(self) -> np.ndarray:
-        """At rest, of the displacements' components x of all nodes, then y, then z: (3 n, 3 n) [N/m]."""
+        """Returns the stiffness matrix at rest (3 n, 3 n) [N/m]. The unknowns are the x displacements of all nodes, then y, then z."""
         n = self.patches.max() + 1
         whole = np.zeros((3, n, 3, n))
         w, g = self.weight, self.gradient
@@ -82,7 +82,9 @@ class Patches:
         return whole.reshape(3 * n, 3 * n)
 
     def modes(self, mass: np.ndarray, held: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Frequencies [rad/s] and shapes (modes, n, 3) about rest, largest displacement 1; held: nodes (n,) that do not move."""
+        """Returns the frequencies [rad/s] and shapes (modes, n, 3) of vibrations about rest; the largest displacement of a shape is 1.
+
+        mass: of the nodes (n,) [kg]; held: mask (n,) of the nodes that do not move."""
         free = np.tile(np.ones(len(mass), bool) if held is None else ~held, 3)
         root = np.sqrt(np.tile(mass, 3))[free]
         squares, vectors = np.linalg.eigh(self.stiffness()[np.ix_(free, free)] / np.outer(root, root))

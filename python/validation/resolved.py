@@ -1,4 +1,4 @@
-"""A scene as the mechanics in numpy take it: plain numbers and lists, all defaults and selections spelt out."""
+"""Converts a scene into the input of the mechanics in numpy: plain numbers and lists, with all defaults and selections resolved."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from softffd.scene.selection import Selection
 
 
 def resolved(scene: Scene, mass: np.ndarray | None = None) -> dict[str, Any]:
-    """What `validation.mechanics` needs of a scene; `json` can keep it. mass: (n,) [kg], if it is known already."""
+    """Returns the data of a scene that `validation.mechanics` needs, serializable as JSON. mass: (n,) [kg], if already known."""
 
     def points(selection: Selection) -> list[int]:
         return scene.select(selection).tolist()

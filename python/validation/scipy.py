@@ -1,11 +1,11 @@
-"""Outside anchors: SciPy's solvers on the same equations, as somebody would write them with numpy.
+"""External reference for accuracy: SciPy's solvers on the same equations, as a user would write the equations with numpy.
 
     m_i a_i = sum over springs of k (1 - l / r) (x_j - x_i) - d_i v_i + m_i g + F_i(t)        Xia & Wang 2009, eq. (3) and (6)
 
-to which dashpots add c ((v_j - v_i) . (x_j - x_i) / r^2) (x_j - x_i) for each spring.
+Dashpots add c ((v_j - v_i) . (x_j - x_i) / r^2) (x_j - x_i) for each spring.
 
-The springs' forces go through a sparse incidence matrix, one product to the springs and one back, which is the fastest of the usual ways
-in numpy. F is the cubic between communication points that the FMU's runs have. No obstacles, no pins.
+The spring forces use a sparse incidence matrix, with one product to the springs and one product back, which is the fastest of the usual
+ways in numpy. F is a cubic between communication points, as in the runs of the FMU. Obstacles and pins are not supported.
 """
 
 from __future__ import annotations
@@ -27,20 +27,19 @@ from validation.mechanics import Body, outside_force, start
 from validation.resolved import resolved
 
 SOLVERS = ("DOP853", "RK45", "Radau", "LSODA")
-IMPLICIT_WITH_PATTERN = ("Radau",)  # solvers that take the pattern of the Jacobian's entries; LSODA makes its own dense one
+IMPLICIT_WITH_PATTERN = ("Radau",)  # solvers that accept the sparsity pattern of the Jacobian; LSODA builds its own dense Jacobian
 
 TOLERANCES = tuple(10.0**-n for n in range(1, 12))
-MOST, QUICK_MOST = 5.0, 1.0  # CPU time of one run [s]; a solver's sweep ends at the first run that needs more
+MOST, QUICK_MOST = 5.0, 1.0  # limit of the CPU time of one run [s]; the sweep of a solver ends at the first run above the limit
 
 
 class _TooLong(Exception):
-    """Stops a solver from inside its right-hand side."""
+    """Raised in the right-hand side to stop a solver that exceeds its time limit."""
 
 
 def sweep_scipy(rig: Rig, records: Records, quick: bool = False, note: Note = silent) -> Iterator[Record]:
-    """A record for every solver and tolerance; scenes with obstacles, pins or a volume stiffness have none, and `records.left_out` says so.
-
-    Raises SoftffdError where SciPy is not installed.
+    """Yields a record for every solver and tolerance. Scenes with obstacles, pins or a volume stiffness yield none; `records.left_out` then
+    states why. Raises SoftffdError if SciPy is not installed.
     """
     solve_ivp = solver()
     if rig.contact or rig.scene.pin:
@@ -62,8 +61,8 @@ def sweep_scipy(rig: Rig, records: Records, quick: bool = False, note: Note = si
 
 
 def solver() -> Callable[..., Any]:
-    """scipy.integrate.solve_ivp. Raises SoftffdError where SciPy is not installed."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core, as the FMU; read when SciPy's library is loaded
+    """Returns scipy.integrate.solve_ivp. Raises SoftffdError if SciPy is not installed."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core, like the FMU; OpenBLAS reads it when SciPy is loaded
     try:
         from scipy.integrate import solve_ivp
     except ImportError:
@@ -90,9 +89,9 @@ def _measured(
 def integrate(
     solve_ivp: Callable[..., Any], equations: Equations, forces: Any, rig: Rig, setting: Setting, *, deadline: float = np.inf
 ) -> tuple[np.ndarray, int]:
-    """Positions (T, n, 3) [m] at the communication points, and how often the right-hand side was evaluated.
+    """Returns the positions (T, n, 3) [m] at the communication points and the number of evaluations of the right-hand side.
 
-    Raises RuntimeError with the solver's message where it gives up, _TooLong past the deadline (CPU time of the process, s).
+    Raises RuntimeError with the solver's message if the solver gives up, and _TooLong past the deadline (CPU time of the process, s).
     """
     options = {"method": setting.method, "rtol": max(setting.tolerance, 3e-14), "atol": setting.tolerance * rig.side}
     if setting.method in IMPLICIT_WITH_PATTERN:
@@ -113,7 +112,7 @@ def integrate(
 
 
 class Equations:
-    """Right-hand side of a scene without obstacles and pins; the state is all positions, then all velocities, flat."""
+    """The right-hand side of a scene without obstacles and pins. The flat state holds all positions, then all velocities."""
 
     def __init__(self, scene: Scene):
         from scipy import sparse
@@ -130,11 +129,11 @@ class Equations:
         self._damped, self._dashpots = bool(self.damping.any()), body.dashpot if body.dashpot.any() else None
 
     def start(self) -> np.ndarray:
-        """The state at time 0, (6 n,)."""
+        """Returns the state at time 0, (6 n,)."""
         return np.concatenate([each.ravel() for each in start(self._resolved)])
 
     def rate(self, state: np.ndarray, force: np.ndarray) -> np.ndarray:
-        """Time derivative of the state, with outside forces (n, 3) [N] besides gravity."""
+        """Returns the time derivative of the state (6 n,). force: external forces besides gravity (n, 3) [N]."""
         x, v = state.reshape(2, -1, 3)
         way = self._to_springs @ x
         square = (way * way).sum(axis=1)
@@ -147,7 +146,7 @@ class Equations:
         return np.concatenate([v.ravel(), (total / self.mass).ravel()])
 
     def pattern(self) -> Any:
-        """Where the Jacobian of the rate can have entries, sparse (6 n, 6 n)."""
+        """Returns the sparsity pattern of the Jacobian of the rate, a sparse array (6 n, 6 n)."""
         from scipy import sparse
 
         neighbours = sparse.csr_array(abs(self._to_springs.T) @ abs(self._to_springs))
@@ -157,13 +156,13 @@ class Equations:
 
 
 def nodal_forces(rig: Rig) -> np.ndarray:
-    """Outside forces besides gravity and their first to third derivative at every communication point but the last, (T - 1, 4, n, 3), in N
-    and s, from the rig's inputs."""
+    """Returns the external forces besides gravity and their first to third time derivatives at every communication point but the last,
+    (T - 1, 4, n, 3), in N and s, from the inputs of the rig."""
     courses = np.concatenate([rig.input_values[:, None], rig.input_rates], axis=1)  # (T - 1, 4, inputs)
     forces = outside_force(resolved(rig.scene), dict(zip(rig.driven_names, np.moveaxis(courses, 2, 0), strict=True)))
     return np.broadcast_to(forces, (*courses.shape[:2], *forces.shape[-2:]))
 
 
 def at(course: np.ndarray, time: float) -> np.ndarray:
-    """The forces `time` after the communication point whose derivatives are given, (4, n, 3)."""
+    """Returns the forces (n, 3) at `time` after a communication point. course: forces and derivatives (4, n, 3) at that point."""
     return course[0] + time * (course[1] + time * (course[2] / 2 + time * course[3] / 6))

@@ -1,4 +1,4 @@
-"""Bodies with a surface, made in code and written as OBJ; and how far places are from obstacles."""
+"""Bodies with a surface, made in code and written as OBJ, and distances of points from obstacles."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ Shape = tuple[np.ndarray, np.ndarray]  # vertices (V, 3) [m] and faces (F, 3)
 
 
 def sphere(halvings: int, radius: float = 0.4, centre: float = 0.5) -> Shape:
-    """Vertices (10 * 4^halvings + 2, 3) [m] and faces of an icosahedron whose edges were halved so often; no vertex is a pole."""
+    """Returns the vertices (10 * 4^halvings + 2, 3) [m] and faces of a sphere, an icosahedron whose edges are halved `halvings` times. No
+    vertex is a pole."""
     golden = (1 + np.sqrt(5)) / 2
     ends = [np.roll([0.0, a, b * golden], shift) for shift in range(3) for a in (-1, 1) for b in (-1, 1)]
     vertices = np.array(ends) / np.hypot(1, golden)
@@ -42,7 +43,7 @@ def _halved(vertices: np.ndarray, faces: np.ndarray) -> Shape:
 
 
 def cube(count: int, margin: float) -> Shape:
-    """Of side 1 - 2 margin in the unit cube, with count x count vertices on each face."""
+    """Returns a cube of side 1 - 2 margin in the unit cube, with count x count vertices on each face."""
     along = np.linspace(margin, 1 - margin, count)
     square = np.arange(count * count).reshape(count, count)
     a, b, c, d = square[:-1, :-1].ravel(), square[1:, :-1].ravel(), square[1:, 1:].ravel(), square[:-1, 1:].ravel()
@@ -59,7 +60,7 @@ def cube(count: int, margin: float) -> Shape:
 
 
 def write(path: Path, body: Shape) -> str:
-    """Writes vertices and faces as OBJ, to all digits, and returns the file's name."""
+    """Writes vertices and faces as OBJ, to all digits, and returns the path as text."""
     vertices, faces = body
     path.write_text(
         "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in vertices.tolist()) + "".join(f"f {a} {b} {c}\n" for a, b, c in (faces + 1).tolist())
@@ -67,17 +68,17 @@ def write(path: Path, body: Shape) -> str:
     return str(path)
 
 
-FREE_EDGE = 5e-3  # radius of a free box's edges in its smallest side, as the core has it
+FREE_EDGE = 5e-3  # edge radius of a free box divided by its smallest side, as in the core
 KINDS = ("plane", "sphere", "cylinder", "box")  # sections of a scene file
 
 
 def gap(
     kind: str, keys: Mapping[str, Any], places: np.ndarray, point: np.ndarray, normal: np.ndarray, across: np.ndarray | None = None
 ) -> np.ndarray:
-    """Signed distance of places (.., 3) [m] from the obstacle of a section's keys, (..) [m]; negative behind or in it.
+    """Returns the signed distances (..) [m] of places (.., 3) [m] from the obstacle of a section's keys, negative behind or in it.
 
-    point: of the plane, or the solid's centre [m]; normal: the plane's, a cylinder's axis, or a box's third one, whose first one is
-    `across`, of unit length.
+    point: of the plane, or the centre of the solid [m]. normal: of the plane, or the axis of a cylinder, or the third axis of a box.
+    across: first axis of a box, of unit length.
     """
     arm = places - point
     if kind == "plane":

@@ -20,7 +20,7 @@ from validation.twin import build_twin
 
 
 def parser() -> Parser:
-    """All tools with their options."""
+    """Returns the parser of all tools with their options."""
     whole = Parser(prog="run.py", description=__doc__)
     tools = whole.add_subparsers(required=True, metavar="TOOL", dest="tool", parser_class=Parser)
 
@@ -60,7 +60,7 @@ def parser() -> Parser:
 
 
 def run_tool(words: list[str] | None = None) -> None:
-    """Runs the tool of a command line. Raises SoftffdError; wrong usage ends the program with status 2."""
+    """Runs the tool that a command line names. Raises SoftffdError. Wrong usage ends the program with status 2."""
     options, extra = parser().parse_known_args(words)
     if extra:
         options.parser.refuse(extra)

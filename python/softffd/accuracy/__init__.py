@@ -1,1 +1,1 @@
-"""Error against run time."""
+"""Measures error against run time."""

@@ -1,4 +1,4 @@
-"""`softffd accuracy`: measures scenes one after the other and keeps files after each: table, document, page, pictures."""
+"""`softffd accuracy`: measures scenes one after the other and writes files after each: table, document, page, pictures."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -31,11 +31,12 @@ def report_accuracy(
     scenes: Sequence[str], folder: Path, *, step: float | None = None, anchors: Anchors | None = None, typed: str = "softffd accuracy",
     quick: bool = False, note: Note = silent, say: Note = print,
 ) -> list[Records]:  # fmt: skip
-    """Measures scenes (names or files; the standard set if there are none) and keeps CSV, JSON, pictures and page in `folder` after each.
+    """Measures scenes (names or files; the standard set if there are none), and writes CSV, JSON, pictures and page to `folder` after
+    each.
 
-    Options as in `measure`; typed: the command, for the files; say: told what has come out, a few lines per scene. Raises SceneError for
-    an unknown scene and FmuError for an unusable step before anything is run; FmuError in the end if a scene could not be measured, with
-    its message; KeyboardInterrupt on Ctrl-C once what is done is kept.
+    Options as in `measure`. typed: the command, for the files. say: called with the results, a few lines per scene. Raises SceneError for
+    an unknown scene and FmuError for an unusable step before anything is run. If a scene could not be measured, raises FmuError with its
+    message in the end. On Ctrl-C, writes what is done and raises KeyboardInterrupt.
     """
     if step is not None:
         positive("communication step", step, None)
@@ -137,7 +138,8 @@ def _scene(records: Records) -> dict[str, Any]:
 
 
 def _level(records: Records, level: float) -> dict[str, Any]:
-    """Times to reach an error, factors over the published scheme (a bound where it never gets there), and auto's time over the best's."""
+    """Returns the times to reach an error, the factors over the published scheme (a bound if it never gets there), and auto's time over
+    the best's."""
     best, chosen = records.best(level), records.cheapest(CHOSEN, level)
     reached = {name: run.cpu_time for name in records.names() if (run := records.cheapest(name, level))}
     factors = {name: records.factor(run, level) for name, run in (("best", best), ("auto", chosen))}

@@ -1,4 +1,4 @@
-"""What a measurement leaves: its files, each of which appears whole or not at all, and the machine and versions that it belongs to."""
+"""The files of a measurement, each of which appears whole or not at all, and the machine and versions that it belongs to."""
 
 import os
 import platform
@@ -12,19 +12,20 @@ from softffd.files import table_text, write_bytes
 
 
 def keep_files(folder: Path, files: Mapping[str, bytes | str]) -> None:
-    """Writes files by name into a folder, which is made where absent."""
+    """Writes files by name into a folder, which is made if missing."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in files.items():
         write_bytes(folder / name, content.encode() if isinstance(content, str) else content)
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
-    """A table of rows by name as CSV; what is absent or None is an empty cell."""
+    """Returns a table of rows by name as CSV. A value that is absent or None is an empty cell."""
     return table_text(columns, ([row.get(name) for name in columns] for row in rows))  # csv leaves cells of None empty
 
 
 def conditions(command: Iterable[str], *packages: str) -> dict[str, Any]:
-    """For files and pages. command: its words, empty ones are left out; packages: whose speed or results count, besides softffd's own."""
+    """Returns date, command, machine and versions. command: words, of which empty ones are left out. packages: those whose speed or
+    results count besides softffd's own."""
     return {
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "command": " ".join(word for word in command if word),
@@ -34,7 +35,7 @@ def conditions(command: Iterable[str], *packages: str) -> dict[str, Any]:
 
 
 def condition_words(about: Mapping[str, Any]) -> str:
-    """The same in a line."""
+    """Returns such conditions in one line."""
     machine = about["machine"]
     names = ", ".join(f"{name} {number}" for name, number in about["versions"].items())
     return f"{about['command']}; {about['date']}; {machine['processor']}, {machine['cores']} cores, {machine['system']}; {names}"

@@ -16,32 +16,33 @@ from softffd.scene.scene import Scene
 from softffd.spelling import wanted_one_of
 
 FIXED_STEP = ("central_difference", "leapfrog", "bm4", "sdirk2")
-"""Methods that are measured over fixed internal steps; all others, over tolerances."""
-IMPLICIT = ("sdirk2",)  # those of them whose steps no bound of stability limits: their first one is a communication step
+"""Methods that are measured over fixed internal steps; all others are measured over tolerances."""
+IMPLICIT = ("sdirk2",)  # those of them without a stability bound of the step: their first step is a communication step
 CONTACT = ("central_difference", "leapfrog", "auto", "sdirk2")
-"""Methods that differ where contact is possible: the others hand such communication steps to leapfrog."""
+"""Methods that differ where contact is possible: the others pass such communication steps to leapfrog."""
 AS_AUTO = ("backward_euler",)
-"""Methods that do what `auto` does, but for the impacts of stiff bodies, which they lose: beside it they say nothing of the best method."""
-DAMPED_CONTACT = ("sdirk2",)  # methods for bodies with internal damping beside planes
-FINER, QUICK_FINER = 1.5, 2.0  # ratio of successive fixed steps; the largest stable one of leapfrog is among them
-COARSER = 2  # so many steps are beyond that bound: some methods are stable there, for the others the FMU divides them
-BUDGET, QUICK_BUDGET = 2.0, 0.2  # a method's sweep ends at a run of more CPU time [s]
+"""Methods that do what `auto` does, except for impacts of stiff bodies, which they lose: beside `auto` they say nothing of the best
+method."""
+DAMPED_CONTACT = ("sdirk2",)  # methods for bodies with internal damping beside obstacles or free bodies
+FINER, QUICK_FINER = 1.5, 2.0  # ratio of successive fixed steps; the largest stable step of leapfrog is among the steps
+COARSER = 2  # so many steps exceed the stable one: some methods are stable there, for the others the FMU divides the steps
+BUDGET, QUICK_BUDGET = 2.0, 0.2  # a method's sweep ends after a run of more CPU time [s]
 FAILURES = 6  # a method's sweep ends after this many failed runs in a row
-REPEATS = 5  # of each run, the smallest time counts
-Anchors = Callable[[Rig, Records, bool, Note], Iterator[Record]]  # measures other programs on a scene, given whether it has to be quick
+REPEATS = 5  # runs of each setting, of which the smallest time counts
+Anchors = Callable[[Rig, Records, bool, Note], Iterator[Record]]  # measures other programs on a scene; the bool: quick
 
 
 def measure(
     scene: Scene, *, methods: Sequence[str] | None = None, step: float | None = None, anchors: Anchors | None = None, quick: bool = False,
     repeats: int = REPEATS, note: Note = silent,
 ) -> Records:  # fmt: skip
-    """Runs every applicable method over its steps or tolerances against a much tighter reference.
+    """Runs every applicable method over its steps or tolerances and compares each run with a much tighter reference.
 
-    methods: some of the values of `solver.method`; all by default. step: communication step [s], the scene's own by default.
+    methods: some of the values of `solver.method`; all by default. step: communication step [s], by default the scene's own.
     anchors: makes records of other programs, after the FMU's. quick: fewer, shorter runs. repeats: of each run.
-    note: told what is being run. A failed run is a record with its message.
-    Raises FmuError for an unknown method, where nothing moves, and where no reference or no run can be made, Interrupted
-    with the records so far on Ctrl-C.
+    note: called with what is being run. A failed run gives a record with its message.
+    Raises FmuError for an unknown method, if nothing moves, and if no reference or no run can be made. On Ctrl-C raises Interrupted with
+    the records so far.
     """
     with Rig(scene, step=step) as rig:
         records = Records(
@@ -74,7 +75,7 @@ def _applicable(rig: Rig, methods: Sequence[str] | None, left_out: dict[str, str
 
 
 def _why_left_out(rig: Rig, method: str) -> str:
-    """Why a method would say nothing that another does not; empty where it is measured."""
+    """Returns why a method would add nothing to the other methods; empty if it is to be measured."""
     if rig.free and method not in WITH_FREE_BODIES:
         return "does not support free bodies"
     if method in AS_AUTO:
@@ -91,7 +92,7 @@ def _why_left_out(rig: Rig, method: str) -> str:
 
 
 def settings_of(method: str, rig: Rig, *, quick: bool = False) -> Iterator[Setting]:
-    """The settings of a method from coarse to fine: fixed steps without end, or tolerances 1e-1 .. 1e-11."""
+    """Yields the settings of a method from coarse to fine: fixed steps without end, or tolerances 1e-1 .. 1e-11."""
     if method not in FIXED_STEP:
         for half_decades in range(2, 23, 2 if quick else 1):
             yield Setting(method, tolerance=10.0 ** (-half_decades / 2))

@@ -20,23 +20,24 @@ LOOKS: dict[str, dict[str, Any]] = {
     "rkn12": {"color": CURVES[3], "marker": "^"},
     "dop853": {"color": CURVES[4], "marker": "v"},
     "ros34pw2": {"color": CURVES[5], "marker": "P"},
-    "sdirk2": {"color": CURVES[2], "marker": "p"},  # bm4 leaves the scenes that have it
-}  # of the methods by name; others get what is left
+    "sdirk2": {"color": CURVES[2], "marker": "p"},  # bm4 is left out where sdirk2 is measured
+}  # looks of the methods by name; other methods get the remaining ones
 LABELS = {CHOSEN: "auto", PUBLISHED: "central_difference\n(published scheme)"}
 OTHER_COLOURS = ("#7a5195", "#a05d2c", "#3c7a89", "#b0413e")
 ANCHOR_MARKS = {"SciPy DOP853": "v", "SciPy RK45": "<", "SciPy Radau": ">", "SciPy LSODA": "d"}
 LARGEST, LEAST, SMALLEST = 0.5, 1e-9, 1e-13
-"""Errors shown, relative to the box: up to the first, or to twice the smallest if all are larger; down to the second at least."""
+"""Errors shown, relative to the box: up to LARGEST, or to twice the smallest error if all are larger; down to LEAST at least."""
 BAND = "#f0e2b6"
 
 MARKS = "os^Dvp"
-WIDTH = 30  # letters of a line of the legend
+WIDTH = 30  # most characters of a line of the legend
 WORDS = """a point for each lattice, the fastest of its most accurate runs; dots: its other runs; lower left is better
 hollow: not told apart from what is unknown of the continuum's answer, to which finer lattices tend"""
 
 
 def front_picture(records: Records) -> bytes:
-    """PNG: error against CPU time, both logarithmic, one line per method; the front is the pale band behind the lines."""
+    """Returns a PNG of error against CPU time, both logarithmic, with one line per method; the front is the pale band behind the
+    lines."""
     words = "error against run time, lower left is better; pale: the front"
     words += f"; {records.stop_time:.4g} s with communication steps of {records.communication_step:.4g} s"
     figure, axes = _framed(records.title, words, 0.76, "largest error / largest side of the box")
@@ -54,7 +55,7 @@ def front_picture(records: Records) -> bytes:
 
 
 def _framed(title: str, words: str, height: float, what: str) -> tuple[Figure, Axes]:
-    """A figure with axes, both logarithmic, below a title and words. what: the errors are."""
+    """Returns a figure with axes, both logarithmic, below a title and words. what: the label of the errors."""
     figure = new_figure(13.0, 6.6, dpi=120)
     axes = figure.add_axes((0.07, 0.1, 0.68, height))
     figure.text(0.02, 0.96, title, fontsize=15, fontweight="bold", color=INK, va="center", **PLAIN)
@@ -72,7 +73,7 @@ def _legend(axes: Axes, spacing: float) -> None:
 
 
 def setting_words(run: Record) -> str:
-    """The setting without the method: "tolerance 1e-06", "step 2.5e-05 s"."""
+    """Returns the setting in words without the method: "tolerance 1e-06", "step 2.5e-05 s"."""
     return str(run.setting).partition(", ")[2]
 
 
@@ -81,7 +82,7 @@ def _points(runs: list[Record]) -> tuple[list[float], list[float]]:
 
 
 def drawn_order(records: Records) -> list[str]:
-    """Methods in the order of legends and tables: auto, the published scheme, the others."""
+    """Returns the methods in the order of legends and tables: auto, the published scheme, the others."""
     return sorted(records.names(), key=lambda name: (name not in (CHOSEN, PUBLISHED), name != CHOSEN))
 
 
@@ -94,7 +95,7 @@ def _look(name: str, records: Records) -> dict[str, Any]:
 
 
 def _label_times(axes: Axes) -> None:
-    """1, 10, 100 ms; also 2 and 5 where the axis is shorter than a factor of 30."""
+    """Labels 1, 10, 100 ms; also 2 and 5 if the axis is shorter than a factor of 30."""
     low, high = axes.get_xlim()
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high < 30 * low else (1.0,)))
     axes.xaxis.set_major_formatter(EngFormatter(unit="s", sep=" "))
@@ -118,7 +119,7 @@ def _dress_errors(axes: Axes, records: Records, largest: float) -> None:
 
 
 def space_picture(scenes: Sequence[Records]) -> bytes:
-    """PNG: error, of the kind of outputs that has the largest, against CPU time, both logarithmic."""
+    """Returns a PNG of the error, for the kind of outputs with the largest, against CPU time, both logarithmic."""
     figure, axes = _framed("Error of the continuum's answer against run time", WORDS, 0.73, "largest error / largest change")
     for records, colour, mark in zip(scenes, cycle(CURVES), cycle(MARKS), strict=False):
         runs = _chosen(records)
@@ -139,7 +140,7 @@ def space_picture(scenes: Sequence[Records]) -> bytes:
 
 
 def _chosen(records: Records) -> list[Record]:
-    """Of each lattice the fastest run of those whose error is within a tenth of the smallest."""
+    """Returns, for each lattice, the fastest of the runs whose error is within a tenth of the smallest."""
     chosen = []
     for name in dict.fromkeys(run.name for run in records.good()):
         runs = records.good(name)

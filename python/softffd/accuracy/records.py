@@ -1,4 +1,4 @@
-"""What was measured on one scene, and what follows from it: the front, times to reach an error, factors, the setting to take."""
+"""Measurements of one scene, and their evaluation: the front, times to reach an error, factors, the recommended setting."""
 
 import math
 from dataclasses import dataclass, field
@@ -8,16 +8,16 @@ import numpy as np
 from softffd.accuracy.reference import NO_REFERENCE, Reference
 from softffd.accuracy.rig import Setting
 
-LEVELS = (1e-2, 1e-4, 1e-6, 1e-8)  # errors, relative to the box's largest side, whose cost is told
+LEVELS = (1e-2, 1e-4, 1e-6, 1e-8)  # errors, relative to the box's largest side, whose cost is reported
 PUBLISHED, CHOSEN = "central_difference", "auto"  # the published scheme, and the method that chooses by itself
 WITHIN = 1.5  # `auto` is recommended where it takes at most this many times the best method's time
 ALIKE = 1.1  # times that differ by less are taken as equal
-MISSED = 10.0  # an error above this many tolerances is a tolerance missed
-CLAIM = 3.0  # a measured error below this many uncertainties of the reference is claimed as no smaller than that
+MISSED = 10.0  # an error above this many tolerances misses the tolerance
+CLAIM = 3.0  # errors are claimed down to this many uncertainties of the reference only
 
 
 def level_words(level: float) -> str:
-    """ "1e-4" rather than "1e-04"."""
+    """Returns the error in words, "1e-4" rather than "1e-04"."""
     return f"{level:.0e}".replace("e-0", "e-")
 
 
@@ -26,7 +26,7 @@ ERROR_FLOOR = 1e-10  # a method's sweep ends below this error, relative to the b
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One run: its setting, its time, its error; or why there is none."""
+    """One run: its setting, its time, and its error or the reason why there is none."""
 
     setting: Setting
     origin: str = "softffd"  # "softffd": through the FMU; "scipy": an outside anchor
@@ -35,10 +35,10 @@ class Record:
     steps: int | None = None
     rejected: int | None = None
     errors: np.ndarray | None = field(default=None, repr=False)
-    """(T,) largest distance of a control point from the reference at each communication point, relative to the box's largest side; where
-    lattices are compared the largest error of each kind of output, relative to the largest change of that kind"""
+    """(T,) largest distance of a control point from the reference at each communication point, relative to the box's largest side. If
+    lattices are compared: the largest error of each kind of output, relative to the largest change of that kind"""
     failure: str | None = None
-    lattice: tuple[int, ...] = ()  # control points along each axis, where lattices are compared and not methods
+    lattice: tuple[int, ...] = ()  # control points along each axis, if lattices are compared and not methods
 
     @property
     def name(self) -> str:
@@ -78,37 +78,37 @@ class Records:
     complete: bool = False  # not interrupted
 
     def names(self, origin: str | None = None) -> list[str]:
-        """The methods that were run, in order of appearance."""
+        """Returns the methods that were run, in order of appearance."""
         return list(dict.fromkeys(run.name for run in self.runs if origin in (None, run.origin)))
 
     def good(self, name: str | None = None) -> list[Record]:
-        """The runs of a method, or all of the FMU's, that did not fail."""
+        """Returns the runs of a method, or all of the FMU's runs, that did not fail."""
         chosen = (run for run in self.runs if (run.name == name if name else run.origin == "softffd"))
         return [run for run in chosen if run.failure is None]
 
     @property
     def floor(self) -> float:
-        """The error below which nothing more is to be learnt: a method's sweep ends there."""
+        """The error below which nothing more is to be learnt, so that a method's sweep ends there."""
         return max(ERROR_FLOOR, CLAIM * self.reference.uncertainty)
 
     def claimed(self, run: Record) -> float:
-        """The run's error, or three times the reference's uncertainty where that is larger."""
+        """Returns the run's error, or three times the reference's uncertainty if that is larger."""
         return max(run.error, CLAIM * self.reference.uncertainty)
 
     def cheapest(self, name: str, level: float) -> Record | None:
-        """The run of a method with the smallest time among those whose error is at most `level`."""
+        """Returns the run of a method with the smallest time among those whose error is at most `level`."""
         reached = [run for run in self.good(name) if self.claimed(run) <= level]
         return min(reached, key=lambda run: run.cpu_time, default=None)
 
     def best(self, level: float) -> Record | None:
-        """The same of all the FMU's methods but `auto`."""
+        """Returns the cheapest run that reaches `level`, of all the FMU's methods but `auto`."""
         found = [self.cheapest(name, level) for name in self.names("softffd") if name != CHOSEN]
         return min((run for run in found if run), key=lambda run: run.cpu_time, default=None)
 
     def factor(self, run: Record | None, level: float) -> tuple[float, bool] | None:
-        """How many times less time than the published scheme a run that reaches `level` takes, and if that is only a lower bound.
+        """Returns how many times less time than the published scheme a run that reaches `level` takes, and if this is only a lower bound.
 
-        A bound where the published scheme does not reach the level in any of its runs: then its longest run counts.
+        It is a bound if no run of the published scheme reaches the level: then the longest run of that scheme counts.
         """
         published = self.good(PUBLISHED)
         if run is None or not published:
@@ -118,12 +118,12 @@ class Records:
         return time / run.cpu_time, reached is None
 
     def ratio(self, level: float) -> float | None:
-        """Time of `auto` over that of the best other method at an error; None where one of them does not reach it."""
+        """Returns the time of `auto` over that of the best other method at an error; None if one of them does not reach it."""
         chosen, best = self.cheapest(CHOSEN, level), self.best(level)
         return chosen.cpu_time / best.cpu_time if chosen and best else None
 
     def front(self) -> list[Record]:
-        """The FMU's runs that no other one beats in both time and error, by growing time."""
+        """Returns the FMU's runs that no other run beats in both time and error, by growing time."""
         found: list[Record] = []
         for run in sorted(self.good(), key=lambda run: (run.cpu_time, run.error)):
             if not found or max(self.claimed(run), ERROR_FLOOR) < self.claimed(found[-1]):
@@ -131,9 +131,9 @@ class Records:
         return found
 
     def recommended(self, level: float) -> Record | None:
-        """A run of `auto` where that is within 1.5 of the best method's time, else of the best method.
+        """Returns a run of `auto` if that is within 1.5 of the best method's time, else a run of the best method.
 
-        Of the runs that reach the level and cost hardly more than the cheapest of them, it is the most accurate one.
+        Among the runs that reach the level and cost hardly more than the cheapest of them, it is the most accurate one.
         """
         chosen, best = self.cheapest(CHOSEN, level), self.best(level)
         if chosen is None or (best is not None and chosen.cpu_time > WITHIN * best.cpu_time):
@@ -144,6 +144,7 @@ class Records:
         return min(equal, key=lambda run: (run.error, abs(math.log((run.setting.tolerance or level) / level))))
 
     def worst_of_tolerance(self, name: str) -> Record | None:
-        """The run of a method over tolerances with the largest error per tolerance; errors that the reference cannot tell are left out."""
+        """Returns a method's run with the largest error per tolerance. Runs without a tolerance, and errors too small for the reference,
+        are left out."""
         runs = [run for run in self.good(name) if run.setting.tolerance and run.error >= CLAIM * self.reference.uncertainty]
         return max(runs, key=lambda run: run.error / run.setting.tolerance, default=None)

@@ -1,8 +1,8 @@
-"""The reference of a scene: a run much more accurate than those it judges, and a second one that says how accurate it is.
+"""The reference of a scene: a run much more accurate than those that it judges, and a second run that shows how accurate it is.
 
-Without obstacles two methods of different kind are run as tightly as they go. The largest difference between the two is the reference's
-uncertainty. A fixed-step method takes part with steps h and h / 2 and Richardson's extrapolation of the two.
-With obstacles only leapfrog resolves contact at every step: there is one method at two very fine steps, and the reference is unconfirmed.
+Without obstacles two methods of different kind are run as tightly as possible. The largest difference between the two is the uncertainty
+of the reference. A fixed-step method takes part with steps h and h / 2 and Richardson's extrapolation of the two.
+With obstacles only leapfrog resolves contact at every step: one method is run at two very fine steps, and the reference is unconfirmed.
 """
 
 import math
@@ -15,33 +15,34 @@ from softffd.accuracy.rig import Rig, Run, Setting
 from softffd.errors import FmuError
 from softffd.run.progress import Note, silent
 
-TIGHT = (1e-13, 1e-12, 1e-11)  # tolerances tried for the adaptive methods, relative to the box; the first that the method can meet is taken
-ORDERS = {"bm4": 4, "leapfrog": 2}  # fixed-step methods by preference, and their order
+TIGHT = (1e-13, 1e-12, 1e-11)  # tolerances tried for the adaptive methods, relative to the box; the first that the method meets counts
+ORDERS = {"bm4": 4, "leapfrog": 2}  # fixed-step methods by preference, and their order of accuracy
 ADAPTIVE = ("dop853", "rkn12")
-CONFIRMED = 1e-7  # a larger difference, relative to the box, confirms nothing: errors of 1e-6 could not be told
+CONFIRMED = 1e-7  # a larger difference, relative to the box, confirms nothing: errors of 1e-6 could not be resolved
 AGREED = 1e-12  # a difference, relative to the box, below which refining further would compare rounding
 NEARLY_AGREED = 1e-9  # below this a difference that refining hardly changes is the reference's own error
-PATIENCE, QUICK_PATIENCE = 15.0, 1.0  # CPU time [s] of the longest run, about
+PATIENCE, QUICK_PATIENCE = 15.0, 1.0  # approximate CPU time [s] of the longest run
 FAILURES = 6  # steps that may fail before the method is given up
 
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """Positions to measure against."""
+    """Positions that runs are compared with."""
 
     positions: np.ndarray  # (T, n, 3) m at the communication points
     uncertainty: float  # largest difference from the second run, relative to the box's largest side
-    method: str  # what made it, in words
+    method: str  # how it was computed, in words
     check: str  # what it was compared with, in words
-    independent: bool  # the second run is by an independent method
+    independent: bool  # whether the second run is by an independent method
 
     @property
     def confirmed(self) -> bool:
-        """An independent method gives the same to the digits that are judged by it."""
+        """True if an independent method gives the same result, to the digits that are judged by the reference."""
         return self.independent and self.uncertainty <= CONFIRMED
 
     def errors(self, positions: np.ndarray, side: float) -> np.ndarray:
-        """Largest distance of a control point from the reference at each communication point, relative to the side [m]: (T,)."""
+        """Returns the largest distance of a control point from the reference at each communication point, relative to the side [m]:
+        (T,)."""
         return np.linalg.norm(positions - self.positions, axis=2).max(axis=1) / side
 
     def __str__(self) -> str:
@@ -52,7 +53,7 @@ class Reference:
         return f"{self.method}, unconfirmed: {alone}{self.check} differs by {difference}"
 
 
-NO_REFERENCE = Reference(np.empty((0, 0, 3)), math.inf, "none", "nothing", False)  # as long as none is found
+NO_REFERENCE = Reference(np.empty((0, 0, 3)), math.inf, "none", "nothing", False)  # until one is found
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +63,14 @@ class _Candidate:
 
 
 def find_reference(rig: Rig, *, quick: bool = False, note: Note = silent) -> Reference:
-    """The best reference that the FMU's methods allow. Raises FmuError when no method can run the scene at all."""
+    """Returns the best reference that the FMU's methods allow. Raises FmuError if no method can run the scene at all."""
     patience = QUICK_PATIENCE if quick else PATIENCE
     if rig.contact or rig.free:
         return _by_fine_steps(rig, "leapfrog", patience, note)
     best = _tight_runs(rig, patience, note)
     if len(best) >= 2:
         return _compared(best[0], [best[1]], rig, independent=True)
-    methods = [method for method in ORDERS if method in rig.methods and not (method == "bm4" and rig.dashpots)]  # which dop853 takes over
+    methods = [method for method in ORDERS if method in rig.methods and not (method == "bm4" and rig.dashpots)]  # dop853 replaces bm4 there
     if best:
         return _compared(best[0], _extrapolations(rig, methods[0], patience, note), rig, independent=True)
     if len(methods) >= 2:
@@ -79,7 +80,7 @@ def find_reference(rig: Rig, *, quick: bool = False, note: Note = silent) -> Ref
 
 
 def _tight_runs(rig: Rig, patience: float, note: Note) -> list[_Candidate]:
-    """Each applicable adaptive method at the tightest tolerance that it can meet."""
+    """Runs each applicable adaptive method at the tightest tolerance that it can meet."""
     found = []
     for method in ADAPTIVE:
         if method not in rig.methods or (method == "rkn12" and rig.damped):
@@ -96,7 +97,7 @@ def _tight_runs(rig: Rig, patience: float, note: Note) -> list[_Candidate]:
 
 
 def _extrapolations(rig: Rig, method: str, patience: float, note: Note) -> Iterator[_Candidate]:
-    """Richardson's extrapolation of runs with steps h and h / 2, for finer and finer h until patience ends."""
+    """Yields Richardson's extrapolation of runs with steps h and h / 2, for finer and finer h until patience ends."""
     weight, previous = 2.0 ** ORDERS[method], None
     for run, step in _refined(rig, method, patience, note):
         if previous is not None:
@@ -106,16 +107,16 @@ def _extrapolations(rig: Rig, method: str, patience: float, note: Note) -> Itera
 
 
 def _by_fine_steps(rig: Rig, method: str, patience: float, note: Note) -> Reference:
-    """One method at the finest step that patience allows, compared with the double of it."""
+    """Runs one method at the finest step that patience allows, and compares that run with one at twice the step."""
     *_, (check, coarse), (fine, step) = _refined(rig, method, patience, note)
     other = _Candidate(check.positions, f"{method} at {coarse:.2g} s")
     return _compared(_Candidate(fine.positions, f"{method} at {step:.2g} s"), [other], rig, independent=False)
 
 
 def _refined(rig: Rig, method: str, patience: float, note: Note) -> Iterator[tuple[Run, float]]:
-    """Runs at half the step each, from the stable one on, at least two, until one has taken half of the patience.
+    """Yields runs with the step halved each time, from the stable step on, at least two, until a run has taken half of the patience.
 
-    A step that the FMU has shortened to that of the run before is passed over. Raises FmuError where no two can be made.
+    A run whose step the FMU has shortened to that of the run before is skipped. Raises FmuError if no two runs can be made.
     """
     steps, done, failures, taken = max(1, math.ceil(rig.communication_step / rig.stable_step)), 0, 0, 0
     elapsed = 0.0
@@ -139,7 +140,7 @@ def _refined(rig: Rig, method: str, patience: float, note: Note) -> Iterator[tup
 
 
 def _compared(best: _Candidate, others: Iterable[_Candidate], rig: Rig, *, independent: bool) -> Reference:
-    """The reference `best` with its smallest difference from the others, which come by growing fineness."""
+    """Returns the reference `best` with its smallest difference from the others, which come by growing fineness."""
     uncertainty, check = np.inf, ""
     for other in others:
         difference = float(np.linalg.norm(best.positions - other.positions, axis=2).max()) / rig.side

@@ -1,4 +1,4 @@
-"""The page of a measurement: pictures, tables and the setting to take for each scene."""
+"""The page of a measurement: pictures, tables and the recommended setting for each scene."""
 
 import html
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -18,13 +18,13 @@ that of the best other method (wanted: at most {WITHIN}).</p>"""
 
 
 def report_page(measured: Sequence[Records], missing: Mapping[str, str], about: Mapping[str, Any], pictures: Mapping[str, bytes]) -> str:
-    """The page's text. missing: scenes without records, and why; about: machine, versions, settings; pictures: PNGs by scene."""
+    """Returns the page's text. missing: scenes without records, and why; about: machine, versions, settings; pictures: PNGs by scene."""
     sections = [_summary(measured), *(_scene(records, pictures[records.scene]) for records in measured)]
     return page("Error against run time", about, [INTRODUCTION, _missing(missing, measured)], sections)
 
 
 def factor_words(factor: tuple[float, bool] | None) -> str:
-    """A factor over the published scheme: "82", or "> 1200" where that does not get there; empty where nothing can be said."""
+    """Returns a factor over the published scheme: "82", or "> 1200" if that does not get there; empty if nothing can be said."""
     if factor is None or (factor[1] and factor[0] < 1):
         return ""
     return f"{'> ' * factor[1]}{factor[0]:.3g}"

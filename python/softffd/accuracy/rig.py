@@ -1,4 +1,4 @@
-"""A scene's FMU on the test rig: packaged once, then run again and again as a host would, with other settings of its solver."""
+"""A scene's FMU on the test rig: packaged once, then run again and again as a host would run it, with various settings of its solver."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from softffd.run.inputs import Inputs
 from softffd.run.simulation import Simulation
 from softffd.scene.scene import Scene
 
-ENOUGH = 0.4  # repeats of a run end when they have taken this much CPU time together [s]
+ENOUGH = 0.4  # repeats of a run end when their CPU times add up to this [s]
 SHORT = 0.02  # a run of less CPU time [s] is repeated up to three times as often
-ROUNDING = 1e-13  # of the largest coordinate: by less, places at rest move by rounding alone, 2e-14 in 5 s
+ROUNDING = 1e-13  # fraction of the largest coordinate by which rounding alone may move places at rest; 2e-14 in 5 s
 OBSERVED = {"outputs.positions": "all", "outputs.solver": True, "solver.error_estimate": False}
-"""Of the scene that is run: all positions and the solver's counts, and no shadow run beside it."""
+"""Keys of the scene that is run: it has all positions and the solver's counts, and no second run beside it that estimates the error."""
 NOTHING_MOVES = "nothing moves; wanted a load, gravity, a start that is not at rest, or a pin or obstacle that moves"
 
 
 class TooLong(FmuError):
-    """A run that has needed more time than it was given."""
+    """A run that took more time than allowed."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Setting:
 
     method: str
     step: float = 0.0  # fixed internal step [s]; 0: the step follows the tolerance
-    tolerance: float = 0.0  # of `solver.tolerance`, relative to the box's largest side; 0: as in the scene
+    tolerance: float = 0.0  # `solver.tolerance`, relative to the box's largest side; 0: as in the scene
 
     def __str__(self) -> str:
         return f"{self.method}, {'step' if self.step else 'tolerance'} {self.step or self.tolerance:.3g}{' s' * (self.step > 0)}"
@@ -46,17 +46,17 @@ class Setting:
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One setting, run once or several times."""
+    """Result of one setting, run once or several times."""
 
-    positions: np.ndarray  # (T, n, 3) m at the communication points, control points in flat order; (T, w) of watched outputs
-    cpu_time: float  # of the loop over the communication steps, smallest of the repeats [s]
+    positions: np.ndarray  # (T, n, 3) m at the communication points, control points in flat order; or watched outputs (T, w)
+    cpu_time: float  # CPU time of the loop over the communication steps, smallest of the repeats [s]
     repeats: int
     steps: int  # internal steps
     rejected: int | None  # rejected internal steps; None where the FMU does not count them
 
 
 class _Course(Drive):
-    """Steps with inputs that move along curves between the communication points: `rates` (T - 1, 3, m) of the block `moving`."""
+    """Steps with inputs that follow curves between the communication points: the block `moving` with its `rates` (T - 1, 3, m)."""
 
     rates: np.ndarray
     moving: Block
@@ -68,10 +68,11 @@ class _Course(Drive):
 
 
 class Rig:
-    """Use as a context manager. Inputs come from the CSV beside the scene, cubic between the communication points."""
+    """The test rig, a context manager. Inputs come from the CSV beside the scene, cubic between the communication points."""
 
     def __init__(self, scene: Scene, *, step: float | None = None, watched: str = ""):
-        """step: communication step [s], > 0, the scene's own by default; watched: pattern of outputs that runs keep for positions.
+        """step: communication step [s], > 0, by default the scene's own. watched: pattern of the outputs that runs keep instead of
+        positions.
 
         Raises FmuError, and SoftffdError as `package_fmu` does.
         """
@@ -117,10 +118,11 @@ class Rig:
         self._simulation.initialize()
 
     def run(self, setting: Setting, *, repeats: int = 1, most: float = math.inf, before: Run | None = None) -> Run:
-        """Runs from 0 to the stop time up to `repeats` times (three times as often when short, fewer when long); the smallest time is kept.
+        """Runs from 0 to the stop time up to `repeats` times (three times as often if short, fewer times if long); keeps the smallest
+        time.
 
-        before: a run that this one may turn out to repeat bit by bit (a tolerance that changes nothing); then once is enough.
-        Raises FmuError with the component's own message, TooLong when more than `most` CPU time [s] is spent at a communication point.
+        before: a run that this one may turn out to repeat bit by bit (a tolerance that changes nothing); then one run is enough. Raises
+        FmuError with the component's own message, and TooLong if a run has taken more than `most` CPU time [s] at a communication point.
         """
         try:
             times: list[float] = []

@@ -1,10 +1,11 @@
 """Error against run time over lattices and tolerances: a scene on finer and finer lattices, against the continuum that they tend to.
 
-The lattice k has 3 k c + 1 points along an axis, where c are the cells of the scene's own lattice by their greatest common divisor: whole
-patches of a solid, and the same lattices for springs. If an output's error is C k^-p, three lattices in a row say p, and Richardson's
-extrapolation the continuum's answer. Outputs that all lattices have are compared: probes, the scene's own and 27 on its box (corners and
-middles), reactions, energies. An error is the largest over a kind of outputs and all communication points, relative to the largest change
-of that kind. Scenes with the same answer, such as a body of springs and one of finite elements, are measured against the same continuum.
+The lattice k has 3 k c + 1 points along an axis, where c are the cells of the scene's own lattice divided by their greatest common
+divisor: whole patches of a solid, and the same lattices for springs. If the error of an output is C k^-p, three successive lattices give
+p, and Richardson's extrapolation gives the continuum's answer. The outputs that all lattices have are compared: probes (the scene's own,
+and 27 at the corners and middles of its box), reactions, energies. An error is the largest over a kind of outputs and all communication
+points, relative to the largest change of that kind. Scenes with the same answer, such as a body of springs and one of finite elements,
+are compared with the same continuum.
 """
 
 from __future__ import annotations
@@ -26,30 +27,30 @@ from softffd.run.progress import Note, silent
 from softffd.scene.scene import Scene
 
 KINDS = {"places": r"^probe\.\w+\.[xyz]$", "reactions": r"\.reaction\.[xyz]$", "energies": r"^energy\.\w+$"}
-"""Kinds of outputs that are compared, and their names."""
+"""Kinds of outputs that are compared, with the patterns of their names."""
 MOST_LATTICES, MOST_POINTS = 4, 31
-FINER = (1.0, 0.1, 0.01)  # tolerances of the runs on a lattice, by that of the scene
-BUDGET, QUICK_BUDGET = 200.0, 15.0  # a lattice's tolerances end at a run of more CPU time [s], and the lattices where that is the first
-ORDERS = (0.3, 8.0)  # orders that are believed
+FINER = (1.0, 0.1, 0.01)  # tolerances of the runs on a lattice, relative to the scene's
+BUDGET, QUICK_BUDGET = 200.0, 15.0  # a lattice's tolerances end at a run of more CPU time [s], and the lattices if that is the first one
+ORDERS = (0.3, 8.0)  # range of credible orders
 
 
 @dataclass(frozen=True, eq=False)
 class Continuum:
-    """What the lattices tend to, of one kind of outputs."""
+    """The limit of the lattices, for one kind of outputs."""
 
     course: np.ndarray  # (T, w)
-    order: float  # as measured; NaN where the lattices do not tend to anything yet, or are only two: then `course` is the finest lattice's
+    order: float  # as measured; NaN if the lattices show no limit yet, or are only two: then `course` is the finest lattice's
     uncertainty: float  # relative to the largest change
     change: float  # largest change of an output since the start
 
     def error(self, course: np.ndarray) -> float:
-        """Largest difference, relative to the largest change."""
+        """Returns the largest difference from the continuum, relative to the largest change."""
         return float(np.abs(course - self.course).max()) / self.change
 
 
 def continuum(courses: Sequence[np.ndarray]) -> Continuum:
-    """Of the lattices 1, 2, .. m in this order, m >= 2, each (T, w). The uncertainty is all that is extrapolated beyond the finest lattice;
-    where there is no order, the difference of the last two lattices."""
+    """Returns the continuum of the lattices 1, 2, .. m in this order, m >= 2, each (T, w). The uncertainty is the whole extrapolation
+    beyond the finest lattice; without an order, the difference of the last two lattices."""
     finest = courses[-1]
     order, course = _extrapolated(courses)
     change = float(np.abs(finest - finest[0]).max())
@@ -57,14 +58,15 @@ def continuum(courses: Sequence[np.ndarray]) -> Continuum:
 
 
 def _extrapolated(courses: Sequence[np.ndarray]) -> tuple[float, np.ndarray]:
-    """The order by the last three lattices and Richardson's extrapolation of the last two; NaN and the last one without an order."""
+    """Returns the order by the last three lattices and Richardson's extrapolation of the last two; NaN and the last one without an
+    order."""
     k, finest = len(courses), courses[-1]
     if k < 3:
         return math.nan, finest
     coarse, fine = (float(np.abs(courses[n] - courses[n - 1]).max()) for n in (k - 2, k - 1))
 
     def excess(order: float) -> float:
-        """Of the ratio of differences that this order makes, which grows with it, over the measured one."""
+        """Returns the ratio of differences at this order, which grows with it, less the measured ratio, times a factor > 0."""
         return ((k - 2) ** -order - (k - 1) ** -order) * fine - ((k - 1) ** -order - k**-order) * coarse
 
     low, high = ORDERS
@@ -77,7 +79,8 @@ def _extrapolated(courses: Sequence[np.ndarray]) -> tuple[float, np.ndarray]:
 
 
 def lattices(scene: Scene) -> list[tuple[int, ...]]:
-    """Points along each axis of the lattices 1, 2, .. m. Raises SceneError where there are not two, or keys belong to one lattice."""
+    """Returns the points along each axis of the lattices 1, 2, .. m. Raises SceneError if there are not two, or if keys belong to one
+    lattice."""
     keys = _of_one_lattice(scene)
     cells = [points - 1 for points in scene.lattice.points]
     all_points = (tuple(3 * k * cell // math.gcd(*cells) + 1 for cell in cells) for k in range(1, MOST_LATTICES + 1))
@@ -103,7 +106,7 @@ def _of_one_lattice(scene: Scene) -> list[str]:
 
 
 def on_lattice(scene: Scene, points: Sequence[int]) -> Scene:
-    """The scene on another lattice, with probes on its box; viscous drag has the same sum over the points."""
+    """Returns the scene on another lattice, with probes on its box. The sum of nodal viscous drag over the points stays the same."""
     given, box = scene.keys_given(), scene.lattice_box
     grid = product((0.0, 0.5, 1.0), repeat=3)
     places = [[float(o + s * share) for o, s, share in zip(box.origin, box.size, at, strict=True)] for at in grid]
@@ -122,7 +125,8 @@ def on_lattice(scene: Scene, points: Sequence[int]) -> Scene:
 
 
 def _rounding(rig: Rig) -> dict[str, float]:
-    """How far rounding alone can change each of KINDS: coordinates [m], and force [N] and energy [J] of a strain of that over the side."""
+    """Returns how far rounding alone can change each of KINDS: coordinates [m], and the force [N] and energy [J] of a strain rounding /
+    side."""
     energy = (rig.scene.material.youngs_modulus or 0.0) * math.prod(rig.scene.lattice_box.size) * rig.rounding / rig.side
     return {"places": rig.rounding, "reactions": energy / rig.side, "energies": energy}
 
@@ -131,21 +135,21 @@ def _rounding(rig: Rig) -> dict[str, float]:
 class Measured:
     """A scene on its lattices."""
 
-    records: Records  # errors are those of KINDS that change, against the continuum of the scene `against`
+    records: Records  # errors are those of KINDS that change, relative to the continuum of the scene `against`
     names: list[str]  # the outputs that are compared
-    courses: Sequence[Mapping[str, np.ndarray] | None]  # of each run, (T, w) by kind; None where it failed
-    own: Mapping[str, Continuum]  # what its lattices tend to, by kind
+    courses: Sequence[Mapping[str, np.ndarray] | None]  # outputs of each run, (T, w) by kind; None if it failed
+    own: Mapping[str, Continuum]  # the continuum of its own lattices, by kind
     against: str = ""
     apart: dict[str, dict[str, float]] = field(default_factory=dict)
-    """How far its continuum is from that of other scenes with the same outputs, by scene and kind, relative to the largest change"""
+    """Difference of its continuum from that of other scenes with the same outputs, by scene and kind, relative to the largest change"""
 
     @property
     def uncertainty(self) -> float:
-        """Of its continuum, the largest of all kinds."""
+        """Largest uncertainty of its continuum over all kinds."""
         return max(each.uncertainty for each in self.own.values())
 
     def judge(self, by: Measured) -> None:
-        """Tells the errors of its runs against the continuum of a scene, itself or another."""
+        """Computes the errors of its runs relative to the continuum of a scene, itself or another."""
         self.against = by.records.scene
         words = "Richardson's extrapolation over the lattices", "its last change"
         self.records.reference = Reference(np.empty((0, 0, 3)), by.uncertainty, *words, independent=False)
@@ -156,8 +160,8 @@ class Measured:
 
 
 def judge_all(measured: Sequence[Measured]) -> None:
-    """Tells the errors of all scenes: each against its own continuum, or that of a scene with the same outputs which is known better and
-    differs by no more than both are uncertain."""
+    """Computes the errors of all scenes: each relative to its own continuum, or to that of a scene with the same outputs whose continuum
+    is less uncertain and differs by no more than both uncertainties together."""
     for each in measured:
         same = [each]
         for other in measured:
@@ -172,10 +176,10 @@ def judge_all(measured: Sequence[Measured]) -> None:
 
 
 def measure_space(scene: Scene, *, step: float | None = None, quick: bool = False, note: Note = silent) -> Measured:
-    """Runs a scene on its lattices at its tolerance, a tenth and a hundredth of it; errors are against its own continuum.
+    """Runs a scene on its lattices at its tolerance, a tenth and a hundredth of it. Errors are relative to its own continuum.
 
-    step: communication step [s], the scene's own by default; quick: fewer lattices. A kind that changes by rounding alone is left out.
-    Raises SceneError as `lattices`, FmuError where fewer than two lattices can be run or nothing moves.
+    step: communication step [s], by default the scene's own. quick: fewer lattices. A kind that changes by rounding alone is left out.
+    Raises SceneError as `lattices`, and FmuError if fewer than two lattices can be run or nothing moves.
     """
     runs: list[tuple[Record, np.ndarray | None]] = []
     finest: list[np.ndarray] = []
@@ -208,7 +212,7 @@ def measure_space(scene: Scene, *, step: float | None = None, quick: bool = Fals
 
 
 def _runs(rig: Rig, points: tuple[int, ...], scene: Scene, budget: float, note: Note) -> Iterator[tuple[Record, np.ndarray | None]]:
-    """One for each of FINER with its outputs, until one fails or takes too long."""
+    """Yields a record for each of FINER with its outputs, until a run fails or takes too long."""
     for share in FINER:
         setting = Setting(scene.solver.method, tolerance=share * scene.solver.tolerance)
         note(f"{scene.name}: {' x '.join(map(str, points))} points, {setting}")

@@ -1,4 +1,4 @@
-"""`softffd accuracy --space`: measures scenes over lattices and tolerances and keeps files: table, document, picture, page."""
+"""`softffd accuracy --space`: measures scenes over lattices and tolerances and writes files: table, document, picture, page."""
 
 import html
 from collections.abc import Iterator, Sequence
@@ -15,7 +15,7 @@ from softffd.run.drive import positive
 from softffd.run.progress import Note, silent
 from softffd.scene.scene import load_scene
 
-LEVELS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3)  # errors, relative to the largest change, whose cost is told
+LEVELS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3)  # errors, relative to the largest change, whose cost is reported
 INTRODUCTION = """<p>The scene ran on finer and finer lattices, at its tolerance, a tenth and a hundredth of it. A time is the CPU time of
 the loop over the communication steps. An error is the largest difference from the answer of the continuum, to which the lattices tend, over
 all outputs of a kind and all communication points, divided by the largest change of that kind. Scenes whose answers agree within their
@@ -25,10 +25,10 @@ uncertainties are measured against the one that is known best.</p>"""
 def report_space(
     scenes: Sequence[str], folder: Path, *, step: float | None = None, quick: bool = False, note: Note = silent, say: Note = print
 ) -> list[Measured]:
-    """Measures scenes (names or files) and keeps accuracy.csv, accuracy.json, accuracy.png and report.html in `folder` after each.
+    """Measures scenes (names or files) and writes accuracy.csv, accuracy.json, accuracy.png and report.html to `folder` after each.
 
-    Options as in `measure_space`; say: told what has come out. Raises SceneError for an unknown scene or one that belongs to its lattice,
-    FmuError for an unusable step, where fewer than two lattices can be run, and where nothing moves.
+    Options as in `measure_space`. say: called with the results. Raises SceneError for an unknown scene or one that belongs to its
+    lattice, and FmuError for an unusable step, if fewer than two lattices can be run, and if nothing moves.
     """
     if step is not None:
         positive("communication step", step, None)
@@ -77,7 +77,7 @@ def _document(measured: Measured) -> dict[str, Any]:
 
 
 def _continua(measured: Measured) -> Iterator[str]:
-    """What the lattices say of the continuum, a line for each kind of outputs, and one for each scene with the same outputs."""
+    """Yields what the lattices show of the continuum: a line for each kind of outputs, and one for each scene with the same outputs."""
     for kind, each in measured.own.items():
         order = f"order {each.order:.2g}" if each.order == each.order else "no order, the finest lattice is taken"
         yield f"{kind}: {order}; the continuum's answer is known within {each.uncertainty:.1e} of the largest change"

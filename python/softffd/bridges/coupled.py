@@ -1,10 +1,10 @@
 """Soft bodies in the loop of a physics engine: the motion of its bodies goes in, mean wrenches over the step come back.
 
-A step is repeated from saved states until motion and wrenches agree. The engine goes through it under wrenches that are held. The soft
-bodies go through it while their pins and obstacles move at constant velocity, from where the last step left them to the engine's poses. The
-next trial takes wrenches by Anderson's acceleration (Walker & Ni 2011). In the end the engine goes through the step under the wrenches that
-the soft bodies gave. Impulses are therefore equal and opposite whatever the tolerance; the next step takes in the difference of motion that
-the tolerance leaves.
+A step is repeated from saved states until motion and wrenches agree. In each trial the engine does the step under constant wrenches. The
+soft bodies do the step while their pins and obstacles move at constant velocity, from where the last step left them to the engine's poses.
+The next trial takes wrenches from Anderson acceleration (Walker & Ni 2011). At the end the engine does the step under the wrenches that
+the soft bodies gave. Impulses are therefore equal and opposite whatever the tolerance; the next step takes in the difference of motion
+that the tolerance leaves.
 """
 
 import warnings
@@ -25,23 +25,23 @@ Moment = tuple[Any, list[State], np.ndarray, np.ndarray]
 
 
 class Engine(Protocol):
-    """What a bridge asks of a physics engine. Poses are matrices (4, 4) from a body's frame to the world [m]; bodies have numbers."""
+    """What a bridge asks of a physics engine. Poses are matrices (4, 4) from a body's frame to the world [m]; bodies are numbered."""
 
-    step: float  # its own [s]
+    step: float  # the engine's own step [s]
 
     @property
-    def time(self) -> float: ...  # of this moment [s]
-    def pose(self, body: int) -> np.ndarray: ...  # such that it moves by the mean of the velocities before and after a step
-    def advance(self, pushes: Sequence[Push]) -> None: ...  # one step of its own while these act
-    def save(self) -> Any: ...  # this moment
-    def restore(self, state: Any) -> None: ...  # back to it, and on with the same bits
+    def time(self) -> float: ...  # current time [s]
+    def pose(self, body: int) -> np.ndarray: ...  # moves by the mean of the velocities before and after a step
+    def advance(self, pushes: Sequence[Push]) -> None: ...  # does one of the engine's own steps under these pushes
+    def save(self) -> Any: ...  # returns the state of this moment
+    def restore(self, state: Any) -> None: ...  # returns to this state; the engine continues with the same bits
 
 
 class Part:
-    """A pin or an obstacle of a soft body that a body of the engine leads.
+    """A pin or an obstacle of a soft body whose motion is prescribed by a body of the engine.
 
-    path: "pin.NAME", "box.NAME". at: its frame (4, 4) in the body's; None: a pin holds on to the body as both lie now.
-    FmuError where the scene has no such part, or not all of its pose and velocities as inputs.
+    path: "pin.NAME", "box.NAME". at: frame of the part (4, 4) in the body's frame; None: a pin is attached to the body as both lie now.
+        FmuError if the scene has no such part, or if not all of the part's pose and velocities are inputs.
     """
 
     POSE: ClassVar = {"plane": ["point", "normal"], "sphere": ["point"], "cylinder": ["point", "normal"], "box": ["point", "rotation"],
@@ -62,18 +62,19 @@ class Part:
         self.put(engine.pose(body) @ at, np.zeros(6))
 
     def put(self, pose: np.ndarray, velocity: np.ndarray) -> None:
-        """Sets the inputs: a pose, and velocities (6,) [m/s, rad/s]."""
+        """Sets the inputs of the part: a pose (4, 4) [m], and velocities (6,) [m/s, rad/s]."""
         turn = pose[:3, :3]
         told = {"normal": turn[:, 2], "rotation": vector_of(turn), "orientation": quaternions(turn[None])[0]}
         self.inputs.set(np.concatenate([told.get(word, pose[:3, 3]) for word in self.words[:-2]] + [velocity]))
 
 
 class Bridge:
-    """Soft bodies and an engine as one: `step` takes all through a step, `save` and `restore` take all back.
+    """Soft bodies and an engine as one system: `step` does a step of all, `save` and `restore` keep and bring back the states of all.
 
-    parts: of each soft body. step: communication step [s] of the soft bodies, a multiple or a whole fraction of the engine's; the bridge's
-    is the longer of the two. tolerance: difference of the wrenches of a step, relative to the largest, at which it is kept, > 0.
-    trials: of a step at most, >= 1; the last one is kept, and the first step that the tolerance is not met in gives a warning.
+    parts: parts of each soft body. step: communication step [s] of the soft bodies, a multiple or a whole fraction of the engine's step;
+        the step of the bridge is the longer of the two. tolerance: a trial of a step is kept if the wrenches that it takes and gives
+        differ by at most this, relative to the largest, > 0. trials: most trials of a step, >= 1; the last one is kept, and the first step
+        that does not meet the tolerance gives a warning.
     """
 
     def __init__(self, engine: Engine, parts: Mapping[Simulation, Sequence[Part]], step: float, tolerance: float, trials: int):
@@ -88,13 +89,13 @@ class Bridge:
         self._all = [part for each in parts.values() for part in each]
         self._poses, self._wrenches, self._time = self._reached(), np.zeros((len(self._all), 6)), engine.time
         self.length = step * self._shorter
-        """Of a step [s]"""
+        """Length of a step of the bridge [s]"""
         self._told = False
         self.trials, self.residual = 0, 0.0
-        """Of the last step: how often it was tried, and the difference of wrenches that was left, relative to the largest"""
+        """Of the last step: the number of trials, and the difference of wrenches that was left, relative to the largest wrench"""
 
     def step(self) -> None:
-        """One step. FmuError where a soft body or the engine refuses it, or the engine was set back alone; all are then as before."""
+        """Does one step. FmuError if a soft body or the engine refuses it, or if the engine alone was set back; all are then as before."""
         if self.engine.time != self._time:
             raise FmuError(f"wanted the engine at {self._time:g} s as the soft bodies are, got {self.engine.time:g} s: go back by restore")
         before, pushes, answers, misses = self.save(), self._wrenches, list[np.ndarray](), list[np.ndarray]()
@@ -120,11 +121,11 @@ class Bridge:
         self._poses, self._wrenches, self._time = poses, answers[-1], self.engine.time
 
     def save(self) -> Moment:
-        """This moment, to go back to as often as wanted."""
+        """Returns the state of this moment, which can be restored as often as wanted."""
         return self.engine.save(), [simulation.save() for simulation in self.parts], self._poses, self._wrenches
 
     def restore(self, moment: Moment) -> None:
-        """Back to a moment; it goes on with the same bits."""
+        """Returns to a saved moment; the run continues with the same bits."""
         state, states, self._poses, self._wrenches = moment
         self.engine.restore(state)
         for simulation, each in zip(self.parts, states, strict=True):
@@ -132,7 +133,7 @@ class Bridge:
         self._time = self.engine.time
 
     def _tell(self) -> None:
-        """Once, that trials did not do; one alone is asked for where they need not."""
+        """Warns, once, that the trials did not meet the tolerance; not with one trial alone, which is asked for where they need not."""
         if self.most > 1 and not self._told:
             text = f"of the largest wrench the step at {self._time:g} s leaves {self.residual:.2g} after {self.most} trials"
             warnings.warn(f"{text}: take a shorter step, or more trials; bridge.residual has that of each step", stacklevel=3)
@@ -146,7 +147,7 @@ class Bridge:
             self.engine.advance([(part.body, part.at[:3, 3], wrench) for part, wrench in zip(self._all, wrenches, strict=True)])
 
     def _answer(self, poses: np.ndarray) -> np.ndarray:
-        """The mean wrenches (m, 6) of the soft bodies on the way to poses."""
+        """Returns the mean wrenches (m, 6) of the soft bodies on the way to these poses."""
         found = np.zeros((len(poses), 6))
         for k in range(self._shorter):
             for part, start, end in zip(self._all, self._poses, poses, strict=True):

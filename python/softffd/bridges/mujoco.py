@@ -19,20 +19,22 @@ except ImportError:
     raise SoftffdError("a coupling with MuJoCo needs mujoco, which is not installed here: pip install 'softffd[mujoco]'") from None
 
 SHAPES = {"plane": ["plane"], "sphere": ["sphere"], "cylinder": ["cylinder"], "box": ["box"], "capsule": ["cylinder", "sphere", "sphere"]}
-"""The obstacles that stand for a geom, by its type"""
-NEAREST = {"ellipsoid": "sphere", "hfield": "plane"}  # of types that no obstacle stands for; else a box
+"""The obstacles that represent a geom, by its type"""
+NEAREST = {"ellipsoid": "sphere", "hfield": "plane"}  # the nearest obstacle for types that no obstacle represents; for other types a box
 
 
 def couple(
     model: mujoco.MjModel, data: mujoco.MjData, parts: Mapping[Simulation, Mapping[str, str]], *, step: float | None = None,
     tolerance: float = 1e-3, trials: int = 8,
 ) -> Bridge:  # fmt: skip
-    """A bridge that steps `data` and soft bodies together. Controls and other forces that the caller sets in `data` hold over its step.
+    """Returns a bridge that steps `data` and soft bodies together. Controls and other forces that the caller sets in `data` hold over its
+    step.
 
-    parts: what leads the parts of each simulation: of a pin, "pin.NAME", the name of a body, which it holds on to as both lie now; of an
-        obstacle, "box.NAME", the name of a geom of its shape and size. A capsule is a cylinder and two spheres, its upper end first.
-    step: communication step [s]; by default the model's timestep. step, tolerance, trials: as of Bridge.
-    FmuError names all that does not fit.
+    parts: what moves the parts of each simulation: for a pin, "pin.NAME", the name of a body, to which the pin is attached as both lie
+        now; for an obstacle, "box.NAME", the name of a geom of its shape and size. A capsule is a cylinder and two spheres, its upper end
+        first.
+    step: communication step [s]; by default the model's timestep. step, tolerance, trials: as for Bridge.
+    FmuError names everything that does not fit.
     """
     engine, found, problems = MuJoCo(model, data), dict[Simulation, list[Part]](), list[str]()
     for simulation, names in parts.items():
@@ -51,9 +53,9 @@ def couple(
 
 
 class MuJoCo:
-    """The engine, and all that speaks its language.
+    """The engine, and all code that depends on MuJoCo.
 
-    Its integrators but RK4 move positions by the velocities at a step's end. Half a step back lies the pose that moves by the mean of the
+    Its integrators except RK4 move positions by the velocities at a step's end. The pose half a step back moves by the mean of the
     velocities before and after a step.
     """
 
@@ -97,11 +99,11 @@ class MuJoCo:
         mujoco.mj_setState(self.model, self.data, state, self.KEPT)
 
     def body(self, name: str) -> tuple[int, None]:
-        """A body's number."""
+        """Returns the number of a body, and None for the part's frame in that body."""
         return self._number("body", name), None
 
     def geom(self, path: str, names: Mapping[str, str], simulation: Simulation) -> tuple[int, np.ndarray]:
-        """The body of the geom that an obstacle stands for, and where in it; FmuError where shape or size is another."""
+        """Returns the body of the geom that an obstacle represents, and the pose in the body; FmuError if shape or size differs."""
         name, kind = names[path], path.partition(".")[0]
         geom = self.model.geom(self._number("geom", name))
         shape = mujoco.mjtGeom(geom.type[0]).name.removeprefix("mjGEOM_").lower()
@@ -130,5 +132,5 @@ class MuJoCo:
 
 
 def _frame(place: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """The pose (4, 4) of an origin (3,) and axes in columns (3, 3) or (9,)."""
+    """Returns the pose (4, 4) of an origin (3,) and axes in columns (3, 3) or (9,)."""
     return np.block([[np.reshape(turn, (3, 3)), np.reshape(place, (3, 1))], [np.eye(4)[3:]]])

@@ -1,6 +1,6 @@
-"""The command line: what each command of `softffd` does; what can be typed stands in options.py.
+"""The commands of `softffd`, and what each of them does; options.py defines what can be typed.
 
-Each command loads what it needs itself: what reads scenes and runs them takes a third of a second.
+Each command imports what it needs itself: importing what reads scenes and runs them takes a third of a second.
 """
 
 import argparse
@@ -26,7 +26,7 @@ def main(arguments: list[str] | None = None) -> int:
     nobody reads the output any more."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="replace")  # what its encoding does not have
+            stream.reconfigure(errors="replace")  # for characters that the stream's encoding does not have
     words = sys.argv[1:] if arguments is None else arguments
     if words[:1] == ["stability"]:
         return exit_status(lambda: _tool(words))
@@ -35,7 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def exit_status(command: Callable[[], object]) -> int:
-    """Runs a command and returns its exit status, as `main` does; what it may end with is said on stderr."""
+    """Runs a command and returns its exit status, as `main` does; messages about errors and interrupts go to stderr."""
     try:
         command()
         sys.stdout.flush()
@@ -44,7 +44,7 @@ def exit_status(command: Callable[[], object]) -> int:
         print(f"softffd: {error}", file=sys.stderr)
         return 1
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is left in the buffer goes there
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the rest of the buffer goes to the null device
         return 141
     except OSError as error:
         print(f"softffd: {error.filename or ''}: {error.strerror or error}", file=sys.stderr)
@@ -55,7 +55,7 @@ def exit_status(command: Callable[[], object]) -> int:
 
 
 def _tool(words: list[str]) -> None:
-    """Runs a tool of the sources, which no wheel has."""
+    """Runs a tool of the source tree, which no wheel contains. Raises SoftffdError outside of the source tree."""
     if not (find_spec("validation") and find_spec("validation.tools")):
         raise SoftffdError(f"{words[0]} is a tool of the sources, where it is run by: python3 python/run.py {shlex.join(words)}")
     import_module("validation.tools").run_tool(words)
@@ -93,7 +93,7 @@ def _build(options: argparse.Namespace) -> None:
     masses = scene_masses(scene)
     print(f"{path}: {scene.title}")
     listed = variables(scene, masses.mass)
-    count = sum(variable.count for variable in listed) if options.fmi == 2 else len(listed) + 1  # and time
+    count = sum(variable.count for variable in listed) if options.fmi == 2 else len(listed) + 1  # one more: time
     print(f"  {count} variables, {path.stat().st_size / 1024:.0f} kB, mass {masses.mass.sum():.6g} kg")
     needs = {name: least_glibc(library) for name, library in libraries(options.platform).items()}
     print("  runs on " + ", ".join(f"{name} with glibc {glibc} or newer" if glibc else name for name, glibc in needs.items()))

@@ -1,4 +1,4 @@
-"""`softffd ssp`: a scene's FMU and others as one system."""
+"""`softffd ssp`: couples a scene's FMU and other components in one system."""
 
 import argparse
 import re
@@ -12,7 +12,7 @@ from softffd.fmu.ssp import told_ssp
 
 
 def write_coupled(options: argparse.Namespace) -> str:
-    """Writes the system and returns what is said about it."""
+    """Writes the system and returns the lines to print about it. Raises SoftffdError if two components have the same name."""
     components: dict[str, str] = {}
     for text in (options.scene, *options.others):
         given, _, what = text.rpartition("=") if re.match(r"[\w-]+=", text) else ("", "", text)  # [NAME=]FILE

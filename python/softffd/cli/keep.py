@@ -1,4 +1,4 @@
-"""`softffd run`: from a name to a result, its findings, and the files it is kept in; and `softffd demo`, which shows all of that."""
+"""`softffd run`: from a name to a result with its findings, and to the files that keep it; and `softffd demo`, which shows all that."""
 
 import re
 import shlex
@@ -26,19 +26,19 @@ from softffd.scene.scene import Scene, load_scene, scene_from
 from softffd.show.live.scene import is_recording, live_scene
 from softffd.show.touch import narrow_contact
 
-RESULTS = (KEPT, "result.csv", "summary.json")  # what every run is kept in
+RESULTS = (KEPT, "result.csv", "summary.json")  # the files that every run is kept in
 SHOWN = re.compile(rf"picture\.png|view\.html|deformed(_\d+)?\.png|deformed\.mtl|deformed({'|'.join(map(re.escape, WRITTEN))})")
-"""What a run may be kept in beside these."""
+"""Other files that a run may be kept in"""
 
 
 def run_scene_or_fmu(
     what: str | Path, *, inputs: Source | None = None, error: bool = False, of_mesh: dict[str, Any] | None = None, **asked: Any
 ) -> Result:
-    """Runs a scene file, a shipped scene, a mesh that falls on the ground, or an FMU.
+    """Runs a scene file, a shipped scene, a mesh that falls on the ground, or an FMU; returns the result with its findings.
 
-    inputs: as `simulate` takes them; by default a scene's own (NAME.csv beside it) drive it.
-    error: estimate the error at the end too, in the summary as estimated_error_m; an FMU must have been built with that.
-    of_mesh: unit, up and density of a mesh file, see `scene_of_mesh`. asked: what else `simulate` takes.
+    inputs: as `simulate` takes them; by default a scene's own inputs (NAME.csv beside the scene) drive it.
+    error: also estimate the error at the end, in the summary as estimated_error_m; an FMU must have been built with the estimate.
+    of_mesh: unit, up and density of a mesh file, see `scene_of_mesh`. asked: further arguments of `simulate`.
     """
     given = {key: value for key, value in (of_mesh or {}).items() if value is not None}
     is_mesh = Path(what).suffix.lower() in READ
@@ -63,7 +63,7 @@ def _with_findings(result: Result) -> Result:
 
 
 def _opened(what: str | Path, error: bool) -> Scene | Path:
-    """The scene or the path of the FMU, with the estimate of the error in it if that is asked for."""
+    """Returns the scene or the path of the FMU, with the error estimate if asked for. Raises FmuError for an FMU without the estimate."""
     if Path(what).suffix.lower() != ".fmu":
         scene = load_scene(what)
         return scene.replace({"solver.error_estimate": True}) if error else scene
@@ -79,7 +79,7 @@ def _opened(what: str | Path, error: bool) -> Scene | Path:
 
 
 def _mesh_scene(file: Path, error: bool, given: dict[str, Any]) -> Scene:
-    """The scene of a mesh, after the line that says what is taken for granted."""
+    """Returns the scene of a mesh, after printing what is assumed about the mesh."""
     made = scene_of_mesh(file, folder=file.parent, **given)
     change = f"softffd new {shlex.quote(file.stem)} --mesh {shlex.quote(str(file))}"
     print(f"{made.said}\n  to change what is assumed of it: {change}", flush=True)
@@ -90,10 +90,10 @@ def _mesh_scene(file: Path, error: bool, given: dict[str, Any]) -> Scene:
 def keep_run(
     result: Result, folder: Path, stage: Note = silent, *, pictures: bool = True, colour: str | None = None, lattice: bool | None = None
 ) -> list[Path]:
-    """Writes results, picture, interactive page and, with a mesh, its last shape; returns the files.
+    """Writes results, picture, interactive page and, for a scene with a mesh, the mesh's last shape; returns the files.
 
-    stage: is told what is being done. pictures: write picture and page.
-    What an earlier run left in the folder goes first.
+    stage: receives what is being done. pictures: write picture and page.
+    Files that an earlier run left in the folder are removed first.
     colour, lattice: of the picture, as in `Result.plot`.
     """
     stage("writing the numbers")
@@ -121,7 +121,7 @@ def keep_run(
 
 
 def _remove_shown(result: Result, folder: Path) -> None:
-    """Takes away what an earlier run showed in the folder, so that none of it stands beside other numbers; not this run's own mesh."""
+    """Removes what an earlier run showed in the folder, so that none of it stands beside other numbers; keeps this run's own mesh."""
     if not any((folder / name).exists() for name in RESULTS):
         return
     source = result.scene.mesh.file.resolve() if result.scene and result.scene.mesh else None
@@ -131,7 +131,7 @@ def _remove_shown(result: Result, folder: Path) -> None:
 
 
 def free_folder(folder: Path) -> Path:
-    """The folder, or the first of NAME-2, NAME-3, ... that is not there or is empty: what a run keeps goes beside what is there."""
+    """Returns the folder, or the first of NAME-2, NAME-3, ... that does not exist or is empty: a run is kept beside earlier ones."""
     names = (folder if number == 1 else folder.with_name(f"{folder.name}-{number}") for number in count(1))
     return next(name for name in names if not name.exists() or (name.is_dir() and not any(name.iterdir())))
 
@@ -140,8 +140,8 @@ def free_folder(folder: Path) -> Path:
 
 
 def run_demo(folder: Path, *, lattice: bool | None = None) -> None:
-    """Builds, runs and shows the car in `folder`, saying what it does. lattice: of the pictures, as in `Result.plot`."""
-    from softffd.show.live.page import write_live  # brings much along, which runs do without
+    """Builds, runs and shows the car in `folder`, and prints what it does. lattice: of the pictures, as in `Result.plot`."""
+    from softffd.show.live.page import write_live  # large imports, which runs do not need
 
     scene = load_scene("car_drop")
     print(scene.title)

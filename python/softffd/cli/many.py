@@ -1,4 +1,4 @@
-"""Commands that make many runs: `softffd sweep`, over a grid of values, and `softffd fit`, parameters from measured curves; their files."""
+"""Commands that make many runs, and their files: `softffd sweep`, over a grid of values; `softffd fit`, parameters from measured curves."""
 
 import argparse
 import math
@@ -22,12 +22,12 @@ from softffd.run.sweep import sweep
 from softffd.run.tables import package
 from softffd.spelling import number_in
 
-CONNECTING, WORKERS = 10.0, 60.0  # so long a scheduler may take to answer, and a cluster to have its first worker [s]
+CONNECTING, WORKERS = 10.0, 60.0  # longest wait for a scheduler's answer, and for a cluster's first worker [s]
 WANTED = "NAME=FROM:TO:COUNT, NAME=FROM:TO:COUNT:log or NAME=V1,V2,..., e.g. --vary stiffness.edge=500:2000:4:log"
 
 
 def run_sweep(options: argparse.Namespace) -> None:
-    """Makes what is missing of the sweep, keeps it and says what came out."""
+    """Makes the missing runs of the sweep, keeps the results and prints a summary."""
     vary = dict(_varied(text) for text in options.vary)
     if len(vary) < len(options.vary):
         raise SoftffdError("--vary: wanted each variable once")
@@ -86,7 +86,7 @@ def _value(text: str) -> float | str:
 
 
 def run_fit(options: argparse.Namespace) -> None:
-    """Fits, keeps the result and says what came out."""
+    """Fits the parameters, keeps the result and prints a summary."""
     vary = dict(_started(text) for text in options.vary)
     if len(vary) < len(options.vary):
         raise SoftffdError("--vary: wanted each parameter once")
@@ -122,14 +122,14 @@ def _started(text: str) -> tuple[str, float | None]:
 
 @contextmanager
 def _workers(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
-    """Who makes the runs, as `sweep` and `fit` take it: processes of this machine, or the Dask cluster at an address."""
+    """Yields the arguments of `sweep` and `fit` for who makes the runs: processes of this machine, or the Dask cluster at an address."""
     if (scheduler := options.scheduler) is None:
         yield {"jobs": os.cpu_count() if options.jobs is None else options.jobs}
         return
     distributed = package("distributed", "--scheduler", "clusters")
     try:
         client = distributed.Client(scheduler, timeout=CONNECTING, set_as_default=False)
-    except (OSError, ValueError) as error:  # nobody is there; no address
+    except (OSError, ValueError) as error:  # OSError: nobody answers; ValueError: no valid address
         why = f"no Dask scheduler answered within {CONNECTING:g} s" if isinstance(error, OSError) else str(error)
         raise SoftffdError(f"--scheduler: wanted the address of one, such as tcp://host:8786, got {scheduler}: {why}") from None
     with client:

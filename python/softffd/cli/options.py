@@ -1,4 +1,4 @@
-"""What can be typed after `softffd`: the commands, their options, an example of each; wrong words are told the nearest right one."""
+"""What can be typed after `softffd`: the commands, their options, and an example of each; errors name the nearest right word."""
 
 import argparse
 from collections.abc import Callable
@@ -11,9 +11,9 @@ from softffd.spelling import did_you_mean, nearest_of, number_in, wanted_one_of
 
 
 class Parser(argparse.ArgumentParser):
-    """An argparse parser that tells the nearest command, option or choice."""
+    """An argparse parser whose errors name the nearest command, option or choice."""
 
-    instead = ""  # what is said of a word too many
+    instead = ""  # added to the message about a word too many
 
     def __init__(self, **about: Any):
         super().__init__(add_help=False, **about)
@@ -24,7 +24,7 @@ class Parser(argparse.ArgumentParser):
             raise argparse.ArgumentError(action, wanted_one_of(map(str, action.choices), value))
 
     def refuse(self, extra: list[str]) -> NoReturn:
-        """Wrong usage, for words that are left over."""
+        """Ends the program as wrong usage, for the words that are left over."""
         word = next((each for each in extra if each.startswith("-")), extra[0])
         option = word.partition("=")[0]
         if not option.startswith("-"):
@@ -45,7 +45,7 @@ SCENE_OR_FMU = "Scene file, name of a shipped scene, or FMU."
 
 
 def setting(text: str, wanted: str = "NAME=VALUE, e.g. --set mass=2") -> tuple[str, str]:
-    """Name and value of --set NAME=VALUE. wanted: what is wanted, where it is not that."""
+    """Returns name and value of --set NAME=VALUE. wanted: the wanted form, for the message of the SoftffdError for another form."""
     name, _, value = (part.strip() for part in text.partition("="))
     if not name or not value:
         raise SoftffdError(f"--set {text}: wanted {wanted}")
@@ -53,7 +53,7 @@ def setting(text: str, wanted: str = "NAME=VALUE, e.g. --set mass=2") -> tuple[s
 
 
 def run_options(options: argparse.Namespace) -> dict[str, Any]:
-    """What `_add_run_options` asks for, as `simulate` and its like take it."""
+    """Returns the options of `_add_run_options` as arguments of `simulate`, `sweep` and `fit`."""
     return {
         "stop_time": options.stop_time, "step": options.step, "start_values": dict(map(setting, options.settings)),
         "inputs": {} if options.no_input else options.input, "tolerance": options.tolerance, "method": options.method,
@@ -61,7 +61,7 @@ def run_options(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def parse(arguments: list[str] | None) -> argparse.Namespace:
-    """The options of a command line, the command's name in `command`. Wrong usage ends the program with status 2."""
+    """Returns the options of a command line, with the command's name in `command`. Wrong usage ends the program with status 2."""
     options, extra = parser().parse_known_args(arguments)
     if extra:
         options.parser.refuse(extra)
@@ -69,7 +69,7 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
 
 
 def parser() -> Parser:
-    """All commands with their options. Every help text is a sentence, with the unit of what it asks for."""
+    """Returns the parser of all commands with their options. Every help text is a sentence, with the unit of the value that it asks for."""
     whole = Parser(prog="softffd", description=softffd.__doc__, epilog="softffd COMMAND --help describes the options of a command.")
     whole.add_argument("--version", action="version", version=f"softffd {softffd.__version__}", help="Show the version and exit.")
     commands = whole.add_subparsers(required=True, metavar="COMMAND", dest="command", parser_class=Parser)

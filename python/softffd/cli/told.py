@@ -1,4 +1,4 @@
-"""What `softffd run` says: before the first step what runs and what drives it, after the last one what it came to; and `softffd info`."""
+"""Messages of `softffd run`: before the first step what runs and what drives it, after the last step what was found; and `softffd info`."""
 
 from collections.abc import Iterator
 from itertools import groupby
@@ -13,14 +13,14 @@ from softffd.spelling import few
 
 
 def told_before(simulation: Simulation, inputs: Inputs) -> str:
-    """Title, lattice, mass, variables, and which of the inputs are driven by what."""
+    """Returns title, lattice, mass, number of variables, and which inputs are driven by what."""
     component = simulation.component
     mass = simulation.number("mass") if "mass" in simulation.variables else None
     return "\n".join([component.interface.title, *(f"  {line}" for line in (told_body(component, mass), *_driven(simulation, inputs)))])
 
 
 def told_body(component: Component, mass: float | None) -> str:
-    """Lattice, mass [kg] and number of variables; mass: None for its start value."""
+    """Returns lattice, mass [kg] and number of variables as text; mass: None for its start value."""
     variables = component.interface.variables
     words = []
     if box := component.lattice:
@@ -49,7 +49,7 @@ def _driven(simulation: Simulation, inputs: Inputs) -> list[str]:
 
 
 def told_after(summary: dict[str, Any]) -> str:
-    """Time, methods, findings and warnings of a run's summary."""
+    """Returns time, methods, findings and warnings of a run's summary."""
     error, methods = summary.get("estimated_error_m"), summary.get("methods", [])
     estimate = "" if error is None else f" with an estimated error of {error:.2g} m"
     lines = [
@@ -63,7 +63,7 @@ def told_after(summary: dict[str, Any]) -> str:
 
 
 def pace(factor: float) -> str:
-    """A ratio of simulated time to run time in words."""
+    """Returns a ratio of simulated time to run time in words."""
     times = factor if factor >= 1 else 1 / factor if factor > 0 else float("inf")
     if times < 1.05:
         return "as fast as real time"
@@ -77,7 +77,7 @@ HEAD = ("name", "causality", "variability", "unit", "start")
 
 
 def told_info(component: Component, *, every: bool = False) -> str:
-    """Title, body, default experiment, pins, and a table of variables. every: those of each control point in lines of their own."""
+    """Returns title, body, default experiment, pins, and a table of variables. every: list each control point's in lines of their own."""
     interface = component.interface
     lines = [interface.title, f"  {told_body(component, None)}"]
     if interface.stop_time and interface.step:
@@ -102,7 +102,7 @@ def _row(variable: ScalarVariable) -> tuple[str, ...]:
 
 
 def _start(variable: ScalarVariable) -> str:
-    """As a user would set it: by its name where the value has one."""
+    """Returns the start value as a user would set it: by its name where the value has a name."""
     if variable.start is None or variable.type not in ("Real", "Integer", "Enumeration"):
         return str(variable.start or "")
     value = float(variable.start)

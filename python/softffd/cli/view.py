@@ -1,4 +1,4 @@
-"""`softffd view`: the page of a kept run, of several beside each other, or of the components of a coupled run."""
+"""`softffd view`: the page of a kept run, of several runs side by side, or of the components of a coupled run."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,10 +13,10 @@ from softffd.show.view import write_views
 
 
 def page_to_view(what: Sequence[Path], output: Path | None, *, overwrite: bool, together: bool, stage: Note = silent) -> Path:
-    """The page of kept runs, or of a system and the CSV file of its rows; written where it is not there yet. stage: is told what is done.
+    """Returns the page of kept runs, or of a system and the CSV file of its rows; writes it, for one run only where no newer page exists.
 
-    output: where the page of several goes; by default in this folder, under their names. together: they are
-    components of one coupled run.
+    stage: receives what is being done. output: where the page of several runs goes; by default in this folder, under their names.
+    together: the runs are components of one coupled run. Raises SoftffdError for unsuitable files, or a page that may not be overwritten.
     """
     is_system = what[0].suffix.lower() == ".ssp"
     if len(what) == 1 and not is_system:
@@ -30,7 +30,7 @@ def page_to_view(what: Sequence[Path], output: Path | None, *, overwrite: bool, 
     require_new([page], "another name by -o X.html", overwrite=overwrite)
     if is_system:
         runs = replay_system(what[0], what[1], stage)
-    else:  # by their folders or files; whole paths where two are the same
+    else:  # named after their folders or files; by whole paths where two names are the same
         short = [_short(each) for each in what]
         runs = {name if len(set(short)) == len(short) else str(each): kept_result(each) for name, each in zip(short, what, strict=True)}
     stage(f"writing {page.name}")
@@ -42,7 +42,7 @@ def _short(kept: Path) -> str:
 
 
 def page_of(kept: Path) -> Path:
-    """The interactive page of a folder that a run is kept in, or of one file: the one that is there, else written from the result."""
+    """Returns the interactive page of a folder that a run is kept in, or of one file; writes it unless one newer than the result exists."""
     results, page = _results_of(kept), kept / "view.html" if kept.is_dir() else kept.with_suffix(".html")
     if page.is_file() and page.stat().st_mtime >= results.stat().st_mtime:
         return page
@@ -50,7 +50,7 @@ def page_of(kept: Path) -> Path:
 
 
 def kept_result(kept: Path) -> Result:
-    """The result of a folder that a run is kept in, or of one file."""
+    """Returns the result in a folder that a run is kept in, or in one file."""
     return Result.load(_results_of(kept))
 
 

@@ -1,9 +1,10 @@
 """Driver FMUs made with pythonfmu, to couple with a scene's FMU: a rigid plate, a prescribed load or motion.
 
-They are Python: a host needs a Python interpreter in its process. pythonfmu goes into each FMU and need not be installed where it runs; its
-library names no libpython and takes the interpreter's symbols from the process. Hosts that are Python (fmpy, libcosimpy, ecospy) have them;
-another host must be linked with libpython or started with LD_PRELOAD=libpython3.N.so. On Linux it needs glibc 2.32 and a C++ runtime of
-GCC 12; libraries for linux64 and win64 are in the FMU. One process holds one version of the drivers: Python loads their modules once.
+The drivers are Python: a host needs a Python interpreter in its process. Each FMU contains pythonfmu, which need not be installed where
+the FMU runs. pythonfmu's library names no libpython and takes the interpreter's symbols from the process. Hosts that are Python (fmpy,
+libcosimpy, ecospy) have these symbols; another host must be linked with libpython or started with LD_PRELOAD=libpython3.N.so. On Linux the
+library needs glibc 2.32 and a C++ runtime of GCC 12; each FMU has libraries for linux64 and win64. One process holds one version of the
+drivers, because Python loads their modules once.
 """
 
 import json
@@ -21,18 +22,18 @@ from softffd.spelling import wanted_one_of
 
 DRIVERS = ("plate", "actuator")
 HERE = Path(__file__).parent
-MENDING = HERE / "softffd_pythonfmu.py"  # a module that every script made with pythonfmu takes along and calls
+MENDING = HERE / "softffd_pythonfmu.py"  # a module that every driver's FMU contains and its script calls
 
 
 def build_drivers(folder: str | Path) -> list[Path]:
-    """Builds plate.fmu and actuator.fmu into a folder (made where absent) and returns their paths. SoftffdError without pythonfmu."""
+    """Builds plate.fmu and actuator.fmu into a folder (created if absent) and returns their paths. SoftffdError without pythonfmu."""
     return [build_driver(name, folder) for name in DRIVERS]
 
 
 def build_driver(name: str, folder: str | Path, *, start_values: Mapping[str, Any] | None = None) -> Path:
-    """Builds one driver, `name`.fmu, into a folder.
+    """Builds one driver, `name`.fmu, into a folder and returns the path.
 
-    start_values: parameters by name, vectors ("initial.point") as three numbers; they become the FMU's start values.
+    start_values: parameters by name, a vector ("initial.point") as three numbers; these become the FMU's start values.
     """
     if name not in DRIVERS:
         raise SoftffdError(f"driver: {wanted_one_of(DRIVERS, name)}")

@@ -1,14 +1,14 @@
 """A prescribed load and a prescribed motion: source of a driver FMU.
 
 Both follow one course s(t): a sine of amplitude 1 (course = 1), or a smooth step from 0 to 1 (course = 2, 6 q^5 - 15 q^4 + 10 q^3,
-acceleration without jumps); it begins at `start` and has the period or rise time `duration`.
+acceleration without jumps). The course begins at `start` and has the period or rise time `duration`.
 
     force     = load * s            connects with load.<name> of a scene, or with the plate's `force`
     position  = rest + travel * s   connects with pin.<name>.position; `rest` is where the pin's frame is at rest
     velocity                        connects with pin.<name>.velocity
 
-What is put out at a communication point is held or continued over the step that follows, so `velocity` is the mean velocity over a next
-step as long as the last (the pose then does not jump) and `force` the value in the middle of that step. `position` is exact.
+A master holds or continues the outputs of a communication point over the step that follows. `velocity` is therefore the mean velocity over
+a next step as long as the last (the pose then does not jump), and `force` the value in the middle of that step. `position` is exact.
 """
 
 from math import pi, sin

@@ -3,12 +3,12 @@
     body.plane.NAME.reaction  ->  plate.reaction
     plate.point, .velocity    ->  body.plane.NAME.point, .velocity
 
-The normal is not connected: the plate does not turn, and both FMUs start with the same one. The plate's own start values are written
-into its FMU, so a host need not read parameters. Hosts that step all components and then exchange (Jacobi: fmpy, libcosim, Ecos with a
-fixed step) run it as it is.
+The normal is not connected: the plate does not turn, and both FMUs start with the same normal. The plate's own start values are written
+into its FMU, so a host need not read parameters. Hosts that step all components and then exchange values (Jacobi: fmpy, libcosim, Ecos
+with a fixed step) run the system as it is.
 
-fmpy's `simulate_ssp` sets every connected input to zero in its first step instead of reading start values. A plate that starts at rest
-with its point at the world's origin, as in the shipped scene, means just that; another start needs another host.
+fmpy's `simulate_ssp` sets every connected input to zero in its first step instead of reading start values. These zeros are right for a
+plate that starts at rest with its point at the world's origin, as in the shipped scene; another start needs another host.
 """
 
 from collections.abc import Mapping
@@ -27,13 +27,13 @@ SCENE = Path(__file__).with_name("plate_on_box.toml")
 def write_plate_ssp(
     path: str | Path, scene: Scene | str | Path | None = None, *, plane: str | None = None, plate: Mapping[str, Any] | None = None
 ) -> Path:
-    """Writes a system of a scene's FMU (`body`) and a plate (`plate`) and returns its path.
+    """Writes a system of a scene's FMU (`body`) and a plate (`plate`) and returns the path of the system.
 
-    scene: a scene, its file or shipped name; by default a box of 1 kg that the plate rests on.
-    plane: the input obstacle that is the plate's surface, or a solid that moves as the plate does; by default the scene's only one. The
-        plate starts with its pose and velocity.
+    scene: a scene, the path of its file or a shipped name; by default a box of 1 kg that the plate rests on.
+    plane: the input obstacle that is the plate's surface, or a solid that moves with the plate; by default the scene's only input
+        obstacle. The plate starts with the obstacle's pose and velocity.
     plate: further start values of the plate, e.g. {"mass": 2.0}; see softffd/drivers/plate.py.
-    Raises SoftffdError where the scene has no such obstacle or no reactions.
+    Raises SoftffdError if the scene has no such obstacle or no reactions.
     """
     scene = scene if isinstance(scene, Scene) else load_scene(scene or SCENE)
     surface = _surface(scene, plane)

@@ -1,34 +1,36 @@
 """A rigid plate with mass that a soft body pushes and that pushes back: source of a driver FMU.
 
-The plate moves without turning. What leaves it connects name to name with an obstacle plane of the scene (`point`, `normal`, `velocity`),
-and the plane's `reaction` comes back. The reaction is the body's impulse of the communication step just done, divided by its length; the
-plate takes exactly that impulse. Where it takes it depends on the master (parameter `delay`):
+The plate moves without turning. Its outputs connect name to name with an obstacle plane of the scene (`point`, `normal`, `velocity`), and
+the plane's `reaction` is its input. The reaction is the body's impulse of the communication step just done, divided by the length of the
+step; the plate takes exactly that impulse. The time at which it takes the impulse depends on the master (parameter `delay`):
 
-    delay = 1   All components step, then values are exchanged (Jacobi). What arrives at t_n belongs to the step before, and the plate has
-                gone through that step on a guess. It returns to the start of that step, goes through it with the impulse that was, and
-                from there through the coming step on the new guess:
+    delay = 1   All components step, then values are exchanged (Jacobi). The reaction that arrives at t_n belongs to the step before, and
+                the plate has gone through that step with a predicted force. It returns to the start of that step, repeats the step with
+                the impulse that arrived, and goes on through the coming step with a new prediction:
 
-                      with the impulse that arrived         with the force expected
+                      with the impulse that arrived         with the predicted force
                       t_(n-1) ----------------------> t_n ---------------------------------> t_(n+1): point and velocity put out
 
-                Guesses do not add up: `momentum` holds every impulse that arrived and no guess.
+                Prediction errors do not add up: `momentum` holds every impulse that arrived and no prediction.
     delay = 0   The reaction that is set belongs to the step that is about to be done: masters that step the body first, or iterate.
 
-The plate takes the body for a spring. The force it expects is the one that arrived, less the stiffness times the way from the middle of
-that step to the middle of the expected one. The stiffness, one for each axis, is a least-squares secant of the changes of force over
-these ways; a step counts 0.8 of the next. It is never negative, and it is learnt and used only while the body pushes.
+The prediction treats the body as a spring. The predicted force is the reaction that arrived, less the stiffness times the distance from
+the middle of that step to the middle of the predicted one. The stiffness, one for each axis, is a least-squares secant of the changes of
+force over these distances; a step has 0.8 of the weight of the next. The stiffness is never negative, and it is learnt and used only while
+the body pushes.
 
 `velocity` is the mean velocity over a following step of the same length. On a spring, velocity and force then satisfy the implicit
 midpoint rule, which keeps the energy at any step: the coupling neither excites nor damps a contact of frequency omega (rad/s, of the plate
-on the body's stiffness), where the force held over the step excites it by (step * omega)^3 / 8 a radian, or damps it.
+on the body's stiffness). A force held over the step would excite or damp the contact by (step * omega)^3 / 8 a radian.
 
-Balance at every exchange, to rounding: momentum (as put out) + momentum of the body + step length * reaction (delay = 1: it is under
-way) = momentum at the start + impulse of weight and of other forces. With delay = 1 `momentum` is that at the start of the step done last.
+Balance at every exchange, to rounding: momentum (as put out) + momentum of the body + step length * reaction (delay = 1: this impulse is
+under way) = momentum at the start + impulse of weight and of other forces. With delay = 1 `momentum` is that at the start of the step done
+last.
 
-Limits. To the body the plane is as heavy as anything during a step: the plate should weigh five times the control points that it touches
-(three times where the master steps the body first); below, contact chatters. step * omega should be at most 1. The jump of velocity
-between two steps costs energy of the body's mass that moves along: up to step * omega / 2 times the ratio of the body's to the plate's
-mass a radian. A lighter plate needs a master that iterates (delay = 0; the plate gives and takes FMU states).
+Limits. During a step the plane acts on the body as if its mass were infinite. The plate should weigh five times the control points that it
+touches (three times if the master steps the body first); below, contact chatters. step * omega should be at most 1. The velocity jump
+between two steps costs energy of the body's mass that moves along: up to step * omega / 2 times the mass ratio of body to plate per
+radian. A lighter plate needs a master that iterates (delay = 0; FMU states of the plate can be saved and restored).
 """
 
 from softffd_driver import Driver
@@ -90,13 +92,14 @@ class Plate(Driver):
         place, speed = self._moved(i, place, speed, reaction + other, step)
         if values["delay"] == 0:
             values["true_point"][i], values["true_velocity"][i] = place, speed
-        reaction -= stiffness * (place - middle)  # of the coming step, but for the way that the plate goes in it
+        reaction -= stiffness * (place - middle)  # the prediction for the coming step, without the plate's displacement in it
         ahead = speed + 0.5 * step * (values["gravity"][i] + (reaction + other) / mass)
         values["point"][i], values["velocity"][i] = place, ahead / (1 + 0.25 * step * step * stiffness / mass)
         values["momentum"][i] = mass * values["true_velocity"][i]
 
     def _stiffness(self, i: int, middle: float, reaction: float) -> float:
-        """The body's stiffness [N/m] along axis i, after a step with this reaction [N] in whose middle the plane was here [m]."""
+        """Returns the body's stiffness [N/m] along axis i after a step with this reaction [N] and with the plane at `middle` [m]
+        halfway."""
         last_middle, last_reaction, products, squares = self.values["seen"][i]
         if reaction and last_reaction:
             way = middle - last_middle
@@ -106,7 +109,7 @@ class Plate(Driver):
         return max(0.0, products / squares) if reaction and squares > 1e-300 else 0.0
 
     def _moved(self, i: int, place: float, speed: float, force: float, time: float) -> tuple[float, float]:
-        """Component i of place [m] and velocity [m/s] after `time` [s] under a constant force [N] and gravity."""
+        """Returns component i of place [m] and velocity [m/s] after `time` [s] under a constant force [N] and gravity."""
         acceleration = self.values["gravity"][i] + force / self.values["mass"]
         after = speed + time * acceleration
         return place + 0.5 * time * (speed + after), after

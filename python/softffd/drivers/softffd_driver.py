@@ -1,6 +1,6 @@
-"""What the driver FMUs have in common: variables from a table, units, a complete model structure, states that restore exactly.
+"""The common base of the driver FMUs: variables from a table, units, a complete model structure, states that restore exactly.
 
-It goes into each driver FMU beside its source, hence the module's name of its own.
+Each driver FMU contains this module beside its source; the module therefore has a name of its own.
 """
 
 import json
@@ -27,8 +27,8 @@ class Driver(Fmi2Slave):
     """A driver's variables are the rows of `table`: name, causality, unit, start, description.
 
     A start of three numbers makes three variables NAME.x .y .z; a whole number as start makes an Integer. `values` holds the whole state
-    by name, vectors as lists; names in it that are not in the table are kept with the state and not put out. Start values of parameters
-    are replaced by those in resources/start.json where that file exists.
+    by name, vectors as lists; entries of `values` that are not in the table belong to the state but are no outputs. If the file
+    resources/start.json exists, its start values of parameters replace those of the table.
     """
 
     table: tuple[tuple[str, str, str | None, Any, str], ...] = ()
@@ -47,7 +47,7 @@ class Driver(Fmi2Slave):
         self.begin()
 
     def begin(self) -> None:
-        """Outputs and hidden state from the parameters; called whenever a parameter changed before the first step."""
+        """Computes outputs and hidden state from the parameters; called whenever a parameter changes before the first step."""
 
     def _register(self, name: str, axis: str, causality: str, unit: str | None, text: str) -> None:
         full = f"{name}.{axis}" if axis else name

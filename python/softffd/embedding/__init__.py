@@ -1,1 +1,1 @@
-"""A mesh in the lattice: weights, deformation, masses."""
+"""A mesh in the lattice: its weights, its deformation, its masses."""

@@ -1,14 +1,14 @@
 """Free-form deformation: the object follows the control points through the volume that they span.
 
-A point X of the object has the coordinates (u, v, w) = (X - origin) / size in the lattice's box. They never
-change; the control points p_ijk move, and the object's point moves to Q(u, v, w), Xia & Wang 2009, eq. (1):
+A point X of the object has the coordinates (u, v, w) = (X - origin) / size in the lattice's box. The coordinates never change; the
+control points p_ijk move, and the object's point moves to Q(u, v, w), Xia & Wang 2009, eq. (1):
 
     Q(u, v, w) = sum over i, j, k of  p_ijk W_i(u) W_j(v) W_k(w)
 
-with the Bernstein polynomials for W, B-splines, or patches of polynomials (basis.py). While the control points stand on their regular
-grid, Q(u, v, w) = X. Inside the box the weights are not negative and sum to one, so Q lies in the convex hull of
-the control points: where no control point is behind a plane, nothing of the object is. Outside the box that is
-lost and the polynomials grow fast, so a point outside is an error here, not an extrapolation.
+where the W are Bernstein polynomials, B-splines, or patches of polynomials (basis.py). While the control points stand on their regular
+grid, Q(u, v, w) = X. Inside the box the weights are not negative and sum to one, so Q lies in the convex hull of the control points: if
+no control point is behind a plane, no point of the object is. Outside the box this property is lost and the polynomials grow fast, so a
+point outside is an error here, not an extrapolation.
 """
 
 from collections.abc import Iterator, Sequence
@@ -27,20 +27,20 @@ Array = NDArray[np.float64]
 Points = NDArray[np.float32] | NDArray[np.float64]
 
 BASES = ("bezier", "bspline", "patches")
-"""By the numbers that they have in the library and on the interactive page"""
+"""The bases; the index of each is its number in the library and on the interactive page"""
 
 OUTSIDE_ALLOWED = 1e-6
-"""How far outside the box a point may lie, as a share of the side: room for a box typed with six digits."""
+"""How far outside the box a point may lie, as a fraction of the side: room for a box typed with six digits."""
 
 DEFORM = (*[c_void_p] * 3, c_int, c_longlong, c_void_p, c_longlong, c_void_p, c_longlong, c_void_p)
-"""What the library takes for it (fmu_src/core/embedding/deform.hpp)."""
+"""Types of the arguments of the library's function for the deformation (fmu_src/core/embedding/deform.hpp)."""
 
 _BLOCK = 1 << 27
-"""Multiplications in one call of the library: some 20 ms, then Ctrl-C is heard."""
+"""Multiplications in one call of the library: some 20 ms, after which Ctrl-C takes effect."""
 
 
 class Surface(Protocol):
-    """What has vertices, (V, 3) m: a Mesh."""
+    """An object with vertices, (V, 3) m, such as a Mesh."""
 
     @property
     def vertices(self) -> Array: ...
@@ -54,14 +54,15 @@ def deform(
     size: ArrayLike | None = None,
     basis: str = "bezier",
 ) -> Array:
-    """Return the deformed vertices of `mesh`: Q of eq. (1) at every vertex, m.
+    """Returns the deformed vertices of `mesh`: Q of eq. (1) at every vertex, m.
 
     mesh: a Mesh, or its vertices (V, 3) m, in the rest configuration.
-    positions: control points (nx, ny, nz, 3) m, positions[i, j, k] = p_ijk; or (T, nx, ny, nz, 3), T instants.
-    origin, size: lower corner and sides (3,) m of the lattice's box at rest; default the vertices' bounding box.
-    basis: "bezier", "bspline" or "patches", as the scene's lattice.basis. For a run's own lattice `Result.deformed` knows all three.
-    Returns (V, 3), or (T, V, 3); a vertex has the same bits whichever others, and at how many instants, are deformed with it.
-    Raises MeshError where a vertex lies outside the box, ValueError for arguments of no such form.
+    positions: control points (nx, ny, nz, 3) m, positions[i, j, k] = p_ijk; or (T, nx, ny, nz, 3) for T instants.
+    origin, size: lower corner and sides (3,) m of the lattice's box at rest; by default of the vertices' bounding box.
+    basis: "bezier", "bspline" or "patches", as the scene's lattice.basis. For the lattice of a run, `Result.deformed` knows origin, size
+        and basis.
+    Returns (V, 3), or (T, V, 3). The bits of a vertex do not depend on the other vertices, nor on how many instants are deformed with it.
+    Raises MeshError if a vertex lies outside the box, and ValueError for arguments of another form.
     """
     given: Any = mesh
     vertices = _points(getattr(given, "vertices", given))
@@ -78,23 +79,23 @@ def deform(
 
 
 class Embedding:
-    """An object's points in a lattice: checked once, then deformed as often as the control points move."""
+    """The points of an object in a lattice: checked once, then deformed as often as the control points move."""
 
     def __init__(self, vertices: ArrayLike, origin: ArrayLike, size: ArrayLike, counts: Sequence[int], basis: str = "bezier"):
-        """Place `vertices` (V, 3) m in a lattice: box at `origin` (3,) m, sides `size` (3,) m, counts (nx, ny, nz), `basis`.
+        """Places `vertices` (V, 3) m in a lattice: box at `origin` (3,) m, sides `size` (3,) m, counts (nx, ny, nz), `basis`.
 
-        Raises MeshError where a vertex lies outside the box by more than OUTSIDE_ALLOWED of its side.
+        Raises MeshError if a vertex lies outside the box by more than OUTSIDE_ALLOWED of the box's side.
         """
         self.counts, self.basis = _checked_counts(counts), _checked_basis(basis, counts)
         self.vertices, self.origin, self.size = _in_box(vertices, origin, size)
 
     def deform(self, positions: ArrayLike) -> Array:
-        """Return the vertices (V, 3) m for control points (nx, ny, nz, 3) m, or (T, V, 3) for (T, nx, ny, nz, 3)."""
+        """Returns the vertices (V, 3) m for control points (nx, ny, nz, 3) m, or (T, V, 3) for (T, nx, ny, nz, 3)."""
         positions = np.asarray(positions, dtype=float)
         if positions.shape[-4:] != (*self.counts, 3) or positions.ndim > 5:
             raise ValueError(f"positions: wanted the shape {(*self.counts, 3)}, or one axis of time before, got {positions.shape}")
         frames = positions.reshape(-1, *self.counts, 3)
-        fill = max(0, 4 - self.counts[2])  # the library works on four along z
+        fill = max(0, 4 - self.counts[2])  # the library needs four along z at least
         control = np.ascontiguousarray(np.pad(frames, [(0, 0)] * 3 + [(0, fill), (0, 0)]) if fill else frames)
         moved = np.empty((len(frames), len(self.vertices), 3))
         counts, basis = np.array(self.counts, dtype=np.int32), BASES.index(self.basis)
@@ -107,23 +108,23 @@ class Embedding:
         return moved[0] if positions.ndim == 4 else moved
 
     def _parts(self, frames: int) -> Iterator[slice]:
-        """Slices of the vertices, so short that one takes little memory and time."""
+        """Returns slices of the vertices, each so short that its deformation takes little memory and time."""
         work = 3 * max(1, frames) * int(np.prod([n if self.basis == "bezier" else min(n, 4) for n in self.counts]))
         step = 32 * max(1, min(_BLOCK // work, 1 << 16) // 32)
         return (slice(start, min(start + step, len(self.vertices))) for start in range(0, len(self.vertices), step))
 
 
 def lattice_coordinates(points: ArrayLike, origin: ArrayLike, size: ArrayLike) -> Array:
-    """Return (u, v, w) = (points - origin) / size, shape (m, 3), of `points` (m, 3) m.
+    """Returns (u, v, w) = (points - origin) / size, shape (m, 3), of `points` (m, 3) m.
 
-    Raises MeshError where a point lies outside the box by more than OUTSIDE_ALLOWED of its side.
+    Raises MeshError if a point lies outside the box by more than OUTSIDE_ALLOWED of the box's side.
     """
     inside, low, sides = _in_box(points, origin, size)
     return (inside - low) / sides
 
 
 def _in_box(given: ArrayLike, origin: ArrayLike, size: ArrayLike) -> tuple[Points, Array, Array]:
-    """The points and the box, checked."""
+    """Checks the points and the box, and returns them as arrays."""
     points, corner, sides = _points(given), np.array(origin, dtype=float), np.array(size, dtype=float)
     if corner.shape != (3,) or sides.shape != (3,) or not np.isfinite([corner, sides]).all():
         raise ValueError(f"lattice box: wanted three finite numbers each, got origin {corner} and size {sides}")
@@ -135,7 +136,7 @@ def _in_box(given: ArrayLike, origin: ArrayLike, size: ArrayLike) -> tuple[Point
 
 
 def _points(given: ArrayLike) -> Points:
-    """Points (m, 3) as floating-point numbers of either length."""
+    """Returns points (m, 3) as floating-point numbers of single or double precision."""
     points = np.asarray(given)
     if points.dtype not in (np.float32, np.float64):
         points = points.astype(float)
@@ -145,7 +146,7 @@ def _points(given: ArrayLike) -> Points:
 
 
 def _inside(coordinates: Array) -> Any:
-    """Which points with these coordinates (.., 3) are in the box."""
+    """Returns which points with these coordinates (.., 3) are in the box."""
     return ((coordinates >= -OUTSIDE_ALLOWED) & (coordinates <= 1 + OUTSIDE_ALLOWED)).all(axis=-1)
 
 

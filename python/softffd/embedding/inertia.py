@@ -1,14 +1,15 @@
 """Moments of inertia: of the object, of its lumped masses, and masses that match the object's.
 
-Shares of the mass that follow the weights of the points have the object's total and centre of mass, but not its inertia: a sample at X
-counts with sum W_i X_i^2 = X^2 + variance of the weights. Shares m_i that match it solve
+Fractions of the mass that follow the weights of the points have the object's total and centre of mass, but not its inertia: a sample at X
+contributes sum W_i X_i^2 = X^2 + variance of the weights. Fractions m_i that match the inertia solve
 
     minimise sum (m_i - r_i)^2 / d_i      subject to      sum m_i (1, x_i, x_i x_i^T) as of the object,      m_i >= floor_i,
 
-r_i being the lumped ones, and d_i these too, or for the nodes of a solid the shares of its box. With multipliers y of the ten moments,
-m_i = max(floor_i, r_i + d_i y . a_i), a_i the moments of point i; they are found by Newton's method on the concave dual, in which every
-step is a system of ten equations. Where no masses have the second moments, these give way: with the square of their error over g added to
-the sum above, the dual loses g |y|^2 / 2, y the multipliers of the second moments, and has a maximum wherever mass and centre are possible.
+where r_i are the lumped fractions. d_i are the lumped fractions too, or for the nodes of a solid the fractions of its box. With the
+multipliers y of the ten moments, m_i = max(floor_i, r_i + d_i y . a_i), where a_i are the moments of point i. Newton's method finds the
+m_i on the concave dual; every step is a system of ten equations. If no masses have the second moments, these are relaxed: the square of
+their error over g is added to the sum above. Then the dual loses g |y|^2 / 2, with the multipliers y of the second moments, and has a
+maximum wherever mass and centre are possible.
 """
 
 from collections.abc import Sequence
@@ -23,14 +24,14 @@ from softffd.mesh.normals import area_vectors, merge_by_position
 
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 ROUNDS, ENOUGH = 60, 1e-13
-"""Newton steps at most, and the largest error of a moment that ends them, in units of the box"""
+"""Most Newton steps, and the largest error of a moment that ends them, in units of the box"""
 GIVES = (1e-5, 1e-4, 1e-3)
-"""How easily second moments give way, where they have to: the first for which Newton's method ends counts. With 1e-5 inertias are within
-1 % of the nearest."""
+"""Values of g, by which second moments are relaxed if necessary: the first for which Newton's method converges is taken. With 1e-5
+inertias are within 1 % of the nearest."""
 
 
 def covariance(distribution: str, mesh: Mesh | None, size: ArrayLike) -> np.ndarray:
-    """Second moments (3, 3) [m^2] of the object about its centre of mass, per unit of mass, as mass.distribution spreads it.
+    """Returns the second moments (3, 3) [m^2] of the object about its centre of mass, per unit of mass, as mass.distribution spreads it.
 
     "uniform" and "box": of the box with sides `size` (3,) [m]; "vertices", "surface", "volume": of the mesh.
     """
@@ -49,7 +50,8 @@ def covariance(distribution: str, mesh: Mesh | None, size: ArrayLike) -> np.ndar
 
 
 def _of_simplices(corners: np.ndarray, content: np.ndarray, *, at_origin: bool) -> np.ndarray:
-    """Second moments of points, triangles or tetrahedra, corners (m, 1 or 3, 3), with a further corner at the origin or not."""
+    """Returns second moments of points, triangles or tetrahedra. corners: (m, 1 or 3, 3). at_origin: a further corner is at the
+    origin."""
     ends = corners.shape[1] + at_origin
     total, sums = content.sum(), corners.sum(axis=1)
     centre = _times(sums.T, content) / (ends * total)
@@ -58,7 +60,8 @@ def _of_simplices(corners: np.ndarray, content: np.ndarray, *, at_origin: bool) 
 
 
 def inertia_ratio(shares: np.ndarray, wanted: np.ndarray, size: ArrayLike, places: np.ndarray | None = None) -> np.ndarray:
-    """How many times the inertia of an object of covariance `wanted` (3, 3) [m^2] shares (nx, ny, nz) have, (3,) about x, y and z.
+    """Returns the ratio (3,), about x, y, z, of the inertia of masses `shares` (nx, ny, nz) to that of the covariance `wanted` (3, 3)
+    [m^2].
 
     places: (n, 3) in a box of sides 1; by default those of control points.
     """
@@ -69,9 +72,9 @@ def inertia_ratio(shares: np.ndarray, wanted: np.ndarray, size: ArrayLike, place
 
 
 def matched_shares(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, size: ArrayLike, floor: float) -> np.ndarray | None:
-    """Shares (nx, ny, nz) near `rows`, none below `floor`, with the total and centre of `object_rows` and the covariance `wanted` [m^2].
+    """Returns fractions (nx, ny, nz) near `rows`, >= `floor`, with total and centre of `object_rows` and the covariance `wanted` [m^2].
 
-    None where there are none.
+    Returns None if there are no such fractions.
     """
     near, of_object, places = rows.ravel() / rows.sum(), object_rows.ravel() / object_rows.sum(), _places(rows.shape)
     found = _projected(near, near, _moments(places), _aim(_times(places.T, of_object), wanted, size), np.full(near.shape, floor))
@@ -81,10 +84,10 @@ def matched_shares(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray
 def nearest_shares(
     rows: np.ndarray, metric: np.ndarray, places: np.ndarray, wanted: np.ndarray, size: ArrayLike, floors: Sequence[float]
 ) -> np.ndarray | None:
-    """Shares (nx, ny, nz) near `rows` with their total and centre and the covariance `wanted` [m^2], or one as near to it as it goes.
+    """Returns fractions (nx, ny, nz) near `rows`, with their total and centre, and the covariance `wanted` [m^2] or the nearest possible.
 
-    metric: shares whose part `floor`, the first of `floors` that allows it, every point keeps. places: (n, 3) in a box of sides 1, about
-    its middle. None where no shares have total and centre.
+    metric: fractions; every point keeps a part `floor` of its own, the first of `floors` that is possible. places: (n, 3) in a box of
+    sides 1, about its middle. Returns None if no fractions have total and centre.
     """
     near, scale = rows.ravel() / rows.sum(), metric.ravel() / metric.sum()
     moments, aim = _moments(places), _aim(_times(places.T, near), wanted, size)
@@ -94,7 +97,8 @@ def nearest_shares(
 
 
 def require_matched(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, size: ArrayLike, uniform_share: float) -> np.ndarray:
-    """The same, each point with `uniform_share` of the mean at least. Raises SoftffdError where there are none, with what there is."""
+    """Returns matched fractions, each >= `uniform_share` of the mean. If there are none, raises SoftffdError that says what is
+    possible."""
     floor = uniform_share / rows.size
     found = matched_shares(rows, object_rows, wanted, size, floor)
     if found is not None and found.min() > 1e-12 / rows.size:
@@ -118,7 +122,7 @@ def require_matched(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarra
 
 
 def _most_floor(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, size: ArrayLike, below: float) -> float | None:
-    """The largest floor under `below` for which there are matched shares, to a twentieth; None where there is none."""
+    """Returns the largest floor under `below` for which there are matched fractions, to a twentieth; None if there is none."""
     low, high = 0.0, below
     if matched_shares(rows, object_rows, wanted, size, low) is None:
         return None
@@ -129,17 +133,17 @@ def _most_floor(rows: np.ndarray, object_rows: np.ndarray, wanted: np.ndarray, s
 
 
 def _places(counts: tuple[int, ...]) -> np.ndarray:
-    """The control points (n, 3) about the middle of a box of sides 1."""
+    """Returns the control points (n, 3) about the middle of a box of sides 1."""
     return rest_grid(counts, np.full(3, -0.5), np.ones(3)).reshape(-1, 3)
 
 
 def _moments(places: np.ndarray) -> np.ndarray:
-    """Of points at places (n, 3), (10, n)."""
+    """Returns the ten moments of points at places (n, 3), shape (10, n)."""
     return np.stack([np.ones(len(places)), *places.T, *(places[:, a] * places[:, b] for a, b in PAIRS)])
 
 
 def _aim(centre: np.ndarray, wanted: np.ndarray, size: ArrayLike) -> np.ndarray:
-    """Moments (10,) of a mass of 1 with this centre (3,), in a box of sides 1, and this covariance [m^2]."""
+    """Returns the moments (10,) of a mass of 1 with this centre (3,), in a box of sides 1, and this covariance [m^2]."""
     second = wanted / np.outer(np.asarray(size), np.asarray(size)) + np.outer(centre, centre)
     return np.array([1.0, *centre, *(second[a, b] for a, b in PAIRS)])
 
@@ -147,14 +151,15 @@ def _aim(centre: np.ndarray, wanted: np.ndarray, size: ArrayLike) -> np.ndarray:
 def _projected(
     near: np.ndarray, scale: np.ndarray, moments: np.ndarray, aim: np.ndarray, floor: np.ndarray, gives: float = 0.0
 ) -> np.ndarray | None:
-    """Numbers (n,) of these moments (10, n) @ numbers = aim, none below its floor (n,), nearest to `near` in the metric 1 / scale.
+    """Returns numbers (n,) with moments (10, n) @ numbers = aim, none below its floor (n,), nearest to `near` in the metric 1 / scale, or
+    None.
 
-    gives: how easily second moments give way.
+    gives: the g by which second moments are relaxed; 0: not at all.
     """
     soft = np.append(np.zeros(4), np.full(6, gives))
 
     def at(y: np.ndarray) -> tuple[np.ndarray, float]:
-        """The shares of multipliers, and the dual's value."""
+        """Returns the fractions for these multipliers, and the value of the dual."""
         push = _times(moments.T, y)
         shares = np.maximum(floor, scale * (near / scale + push))
         return shares, float((aim * y - 0.5 * soft * y**2).sum() + (0.5 * (shares - near) ** 2 / scale - push * shares).sum())
@@ -182,7 +187,7 @@ def _projected(
 
 
 def _times(matrix: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-    """matrix (..., n) @ numbers (..., n), summed in an order that BLAS does not choose.
+    """Returns matrix (..., n) @ numbers (..., n), summed in an order that BLAS does not choose.
 
     BLAS sums as registers are wide: a scene's masses, and with them its results and its GUID, would differ by rounding between machines.
     """
@@ -190,7 +195,7 @@ def _times(matrix: np.ndarray, numbers: np.ndarray) -> np.ndarray:
 
 
 def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The solution (n,) of a symmetric positive definite system (n, n), likewise: by elimination without pivots."""
+    """Returns the solution (n,) of a symmetric positive definite system (n, n), without BLAS too: by elimination without pivots."""
     rows = np.column_stack([matrix, right])
     for i, row in enumerate(rows):
         row /= row[i]

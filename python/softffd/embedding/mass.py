@@ -1,15 +1,14 @@
-"""Masses of the control points: the object's mass, shared out by the weights with which it follows them.
+"""Masses of the control points: the object's mass, distributed by the weights with which the object follows them.
 
-A sample of mass m_s at (u_s, v_s, w_s) gives control point ijk the part m_s B_i(u_s) B_j(v_s) B_k(w_s). The
-weights sum to one and reproduce positions, so the total and the centre of mass are the object's own (Xia & Wang
-2009 leave the rule open). For a surface or a solid the sum becomes an integral. Its integrand is a polynomial in
-the coordinates of each triangle, and a quadrature that is exact for its degree leaves only rounding. The solid's
-integral is turned into one over its surface by the divergence theorem:
+A sample of mass m_s at (u_s, v_s, w_s) gives control point ijk the part m_s B_i(u_s) B_j(v_s) B_k(w_s). The weights sum to one and
+reproduce positions, so the total and the centre of mass are the object's own (Xia & Wang 2009 leave the rule open). For a surface or a
+solid the sum becomes an integral. Its integrand is a polynomial in the coordinates of each triangle, and a quadrature that is exact for
+its degree leaves only rounding. The solid's integral is turned into one over its surface by the divergence theorem:
 
     integral of B_i B_j B_k dV  =  integral of B_i(u) B_j(v) I_k(w) n_z dA,
 
-where n_z dA is a triangle's shadow on the x-y plane and I_k(w) = integral of B_k from 0 to w = sum over l > k of
-B_l(w) / nz, with the Bernstein polynomials B_l of one degree more. mass_pieces.py integrates.
+where n_z dA is a triangle's shadow on the x-y plane and I_k(w) = integral of B_k from 0 to w = sum over l > k of B_l(w) / nz, with the
+Bernstein polynomials B_l of one degree more. mass_pieces.py integrates.
 """
 
 from dataclasses import dataclass
@@ -31,8 +30,8 @@ class Masses:
     """Masses of the control points.
 
     mass: (n,) kg, flat order p = i + nx (j + ny k). shift: (3,) m, how far `uniform_share` moved the centre of mass.
-    weight: (n,) kg, what gravity pulls at where that is not the mass. inertia: (3,), by how much it is greater than the object's own
-    about x, y and z through the centre of mass.
+    weight: (n,) kg, the masses on which gravity acts, if they differ from `mass`. inertia: (3,), ratio of the masses' moments of inertia
+    to those of the object, about x, y and z through the centre of mass.
     """
 
     mass: np.ndarray
@@ -45,17 +44,17 @@ def point_masses(
     distribution: str, *, counts: tuple[int, int, int], origin: ArrayLike, size: ArrayLike, mesh: Mesh | None, total: float | None = None,
     density: float | None = None, uniform_share: float = 0.1, basis: str = "bezier", inertia: str = "lumped",
 ) -> Masses:  # fmt: skip
-    """Return the masses of the control points of a lattice: `counts` in the box `origin`, `size` (3,) m.
+    """Returns the masses of the control points of a lattice: `counts` in the box `origin`, `size` (3,) m.
 
-    distribution: "uniform" (the same for all), "box" (even through the box: each cell gives an eighth to each of its corners),
-    "vertices" (an equal share at each distinct vertex position), "surface" (even over the area) or "volume" (even through the solid);
-    all but the first two need `mesh`, "volume" a closed one.
+    distribution: "uniform" (equal masses), "box" (even through the box: each cell gives an eighth to each of its corners), "vertices" (an
+    equal mass at each distinct vertex position), "surface" (even over the area) or "volume" (even through the solid); all but the first
+    two need `mesh`, "volume" a closed one.
     total: kg, > 0; or density: kg/m^3, > 0, times the volume of a closed mesh, or of the box without a mesh. Exactly one of the two.
-    uniform_share: 0 to 1; this part of the total is spread evenly instead, which moves the centre of mass by
-    `shift`. basis: of the volume, "bezier" or "bspline".
-    inertia: "lumped" (each sample's mass to the control points that move it) or "matched" (with the inertia of the object; gravity pulls
-    at the lumped masses, and `uniform_share` is what every point has of the mean mass at least).
-    Raises SoftffdError where the mesh does not fit, or a control point would be left without mass; a scene has checked the values.
+    uniform_share: 0 to 1; this fraction of the total is spread evenly instead, which moves the centre of mass by `shift`. basis: of the
+    volume, "bezier" or "bspline".
+    inertia: "lumped" (each sample's mass to the control points that move it) or "matched" (with the inertia of the object; gravity acts
+    on the lumped masses, and every point has at least `uniform_share` of the mean mass).
+    Raises SoftffdError if the mesh does not fit, or a control point would have no mass. The scene has already checked the values.
     """
     total = total_mass(total, density, mesh, size)
     shares = _shares(distribution, counts, origin, size, mesh, basis)
@@ -71,20 +70,21 @@ def point_masses(
 
 
 def total_mass(total: float | None, density: float | None, mesh: Mesh | None, size: ArrayLike) -> float:
-    """The mass [kg] that is given, or that of a density [kg/m3] in a closed mesh, or without one in a box of `size` [m]."""
+    """Returns the given mass [kg], or that of a density [kg/m3] in a closed mesh, or without a mesh in a box of `size` [m]."""
     if density is not None:
         total = density * (enclosed_volume(mesh) if mesh is not None else float(np.prod(np.asarray(size))))
-    assert total is not None  # one of the two
+    assert total is not None  # one of the two is given
     return total
 
 
 def flat_shares(shares: np.ndarray) -> np.ndarray:
-    """Shares (nx, ny, nz) in flat order (n,)."""
+    """Returns shares (nx, ny, nz) in flat order (n,)."""
     return to_flat(shares[..., None])[:, 0]
 
 
 def filled_words(mesh: Mesh | None, size: tuple[float, ...] | np.ndarray) -> str | None:
-    """How much of the box of `size` [m] a closed mesh fills, and below 60 % what bends in its place; None without a closed mesh."""
+    """Returns in words how much of the box of `size` [m] a closed mesh fills, and below 60 % that the elastic body is the whole box; None
+    without a closed mesh."""
     if mesh is None or not mesh.closed:
         return None
     try:
@@ -95,7 +95,7 @@ def filled_words(mesh: Mesh | None, size: tuple[float, ...] | np.ndarray) -> str
 
 
 def enclosed_volume(mesh: Mesh) -> float:
-    """Return the volume inside a closed mesh, m^3. Raises SoftffdError where the mesh is open or encloses nothing."""
+    """Returns the volume inside a closed mesh, m^3. Raises SoftffdError if the mesh is open or encloses nothing."""
     if not mesh.closed:
         raise SoftffdError(
             f"mesh '{mesh.name}' is not closed: {mesh.open_edges} edges have no neighbour that runs the other way (a hole, or faces that "
@@ -110,7 +110,7 @@ def enclosed_volume(mesh: Mesh) -> float:
 
 
 def _shares(distribution: str, counts: tuple[int, ...], origin: ArrayLike, size: ArrayLike, mesh: Mesh | None, basis: str) -> np.ndarray:
-    """Shares (nx, ny, nz) of the control points, not yet summing to one."""
+    """Returns the fractions (nx, ny, nz) of the control points, which do not yet sum to one."""
     if distribution == "uniform":
         return np.ones(counts)
     if distribution == "box":
@@ -121,8 +121,8 @@ def _shares(distribution: str, counts: tuple[int, ...], origin: ArrayLike, size:
 
 
 def mesh_shares(distribution: str, axes: Axes, degrees: Degrees, origin: ArrayLike, size: ArrayLike, mesh: Mesh) -> np.ndarray:
-    """What points (nx, ny, nz) have of a mesh's vertices, surface or volume, not yet summing to one. SoftffdError where a body of a volume
-    is inside out."""
+    """Returns the parts (nx, ny, nz) of a mesh's vertices, surface or volume that points have, which do not yet sum to one. Raises
+    SoftffdError if a body of a volume is inside out."""
     if distribution == "vertices":
         _, positions = merge_by_position(mesh.vertices[np.unique(mesh.faces)])
         return vertex_shares(axes, lattice_coordinates(positions, origin, size))
@@ -151,6 +151,6 @@ def _require_all_positive(shares: np.ndarray, uniform_share: float) -> None:
 
 
 def _centre(shares: np.ndarray, origin: ArrayLike, size: ArrayLike) -> np.ndarray:
-    """Centre of mass (3,) m of shares (nx, ny, nz) that sum to one."""
+    """Returns the centre of mass (3,) m of shares (nx, ny, nz) that sum to one."""
     grid = rest_grid(shares.shape, np.zeros(3), np.ones(3))
     return np.asarray(origin) + np.asarray(size) * [float((shares * grid[..., axis]).sum()) for axis in range(3)]

@@ -1,9 +1,9 @@
-"""Shares of a mass by weights along the axes of a lattice, each one polynomial from one cut of the axis to the next: Bernstein polynomials,
-which have no cut within, B-splines, or hat functions between nodes.
+"""Parts of a mass by weights along the axes of a lattice. Each weight is one polynomial from one cut of the axis to the next: Bernstein
+polynomials, which have no cut within, B-splines, or hat functions between nodes.
 
-Triangles are cut at the cuts of all three axes, so that on a piece the integrands of mass.py are smooth. A sample counts for the points
-near it, and for a solid for those below, whose integrals up to the sample's height are their integrals over the whole axis: such a column
-is booked at its top and summed downwards at the end.
+Triangles are cut at the cuts of all three axes, so that the integrands of mass.py are smooth on a piece. A sample counts for the points
+near it. For a solid it also counts for the points below, whose integrals up to the sample's height are their integrals over the whole
+axis: such a column is added at its top, and summed downwards at the end.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -20,11 +20,11 @@ from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import area_vectors, cut_triangles
 
 Local = tuple[np.ndarray, np.ndarray]
-"""At places (m,): the first point that counts (m,), and how much it and those behind it do (m, few)."""
+"""At places (m,): the first point that counts (m,), and the weights, or integrals, of this point and those behind it (m, few)."""
 
 EXACT_DEGREE, END_DEGREE = 10, 27
-"""Degrees of quadrature for pieces of B-splines: in the middle, where all integrands are polynomials in the place, and in spans that touch
-an end, where the parameter bends: measured, see the tests."""
+"""Degrees of quadrature for pieces of B-splines: in the middle, where all integrands are polynomials in the place, and in spans that
+touch an end, where the parameter is not linear in the place; measured, see the tests."""
 
 _BLOCK = 1 << 21
 """Numbers held at a time: 16 MB."""
@@ -32,9 +32,9 @@ _BLOCK = 1 << 21
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """Weights of the points along an axis, places and cuts from 0 to 1, both ends included.
+    """Weights of the points along an axis, with places and cuts from 0 to 1, both ends included.
 
-    weights: at places. integrals: of the weights that count there, from 0 to each place. whole: (n,), those over the whole axis.
+    weights: at places. integrals: from 0 to each place, of the weights that count there. whole: (n,), integrals over the whole axis.
     """
 
     cuts: np.ndarray
@@ -45,11 +45,11 @@ class Axis:
 
 Axes = Sequence[Axis]
 Degrees = Callable[[np.ndarray], np.ndarray]
-"""Of quadrature that is enough for pieces (P, 3, 3) in box coordinates: (P,)."""
+"""A function that returns sufficient degrees of quadrature (P,) for pieces (P, 3, 3) in box coordinates."""
 
 
 def control_axis(n: int, basis: str) -> Axis:
-    """The axis of `n` control points of "bezier" or "bspline"."""
+    """Returns the axis of `n` control points of "bezier" or "bspline"."""
     if basis == "bezier" or n <= 4:
         return Axis(np.array([0.0, 1.0]), lambda t: local_weights(t, n), lambda t: _bernstein_integrals(t, n), np.full(n, 1 / n))
     spans = _span_integrals(n)
@@ -64,8 +64,9 @@ def control_axis(n: int, basis: str) -> Axis:
 
 
 def control_degrees(counts: Sequence[int], basis: str, *, solid: bool) -> Degrees:
-    """Of quadrature for the weights of control points: of Bernstein polynomials that of their product, of B-splines, which along every axis
-    are cubics of the place in cells or flatter, as if all pieces near the ends had the most."""
+    """Returns the function for the degrees of quadrature of the weights of control points. For Bernstein polynomials it is the degree of
+    their product. B-splines are, along every axis, cubics of the place in cells or flatter; pieces near the ends count as if all of them
+    needed END_DEGREE."""
     cells = np.array(counts) - 1.0
 
     def degrees(pieces: np.ndarray) -> np.ndarray:
@@ -84,24 +85,24 @@ def control_degrees(counts: Sequence[int], basis: str, *, solid: bool) -> Degree
 
 
 def knots(n: int) -> np.ndarray:
-    """Places, 0 to 1, where one span of B-splines with `n` > 4 control points ends and the next begins, both ends included."""
+    """Returns the places, 0 to 1 with both ends, where one span of B-splines with `n` > 4 control points ends and the next begins."""
     first, values, _ = bsplines(np.arange(n - 2.0), n)
     return (first + values @ np.arange(4.0)) / (n - 1)
 
 
 def sample_shares(axes: Axes, coordinates: np.ndarray, masses: np.ndarray) -> np.ndarray:
-    """Sum of m_s W_i(u_s) W_j(v_s) W_k(w_s) over samples (m, 3) in box coordinates, shape (nx, ny, nz)."""
+    """Returns the sum of m_s W_i(u_s) W_j(v_s) W_k(w_s) over samples (m, 3) in box coordinates, shape (nx, ny, nz)."""
     return _summed([axis.weights(t) for axis, t in zip(axes, coordinates.T, strict=True)], masses, _counts(axes))
 
 
 def vertex_shares(axes: Axes, coordinates: np.ndarray) -> np.ndarray:
-    """Shares (nx, ny, nz) of places (m, 3) in box coordinates that count 1 each."""
+    """Returns the sum (nx, ny, nz) of the weights at places (m, 3) in box coordinates, each of which has a mass of 1."""
     blocks = (coordinates[block] for block in _blocks(len(coordinates), _numbers_a_sample(axes)))
     return sum((sample_shares(axes, block, np.ones(len(block))) for block in blocks), np.zeros(_counts(axes)))
 
 
 def triangle_shares(axes: Axes, mesh: Mesh, origin: ArrayLike, size: ArrayLike, degrees: Degrees, *, solid: bool) -> np.ndarray:
-    """Shares (nx, ny, nz) of the surface of a mesh in the box `origin`, `size` (3,) [m], or of the solid inside it."""
+    """Returns the parts (nx, ny, nz) of the surface of a mesh in the box `origin`, `size` (3,) [m], or of the solid inside it."""
     total = np.zeros(_counts(axes))
     corners = np.concatenate([lattice_coordinates(mesh.vertices, origin, size), mesh.vertices], axis=1)[mesh.faces]
     shares = _shares_below if solid else sample_shares
@@ -120,20 +121,20 @@ def _counts(axes: Axes) -> tuple[int, ...]:
 
 
 def _numbers_a_sample(axes: Axes) -> int:
-    """That are held for it at a time."""
+    """Returns how many numbers are held at a time for a sample."""
     nx, ny, _ = (len(axis.whole) if len(axis.cuts) == 2 else 4 for axis in axes)
     return nx * ny
 
 
 def _blocks(count: int, each: int) -> Iterator[slice]:
-    """Slices of `count` things, `each` numbers a thing, that fit the memory set aside."""
+    """Returns slices of `count` things, `each` numbers a thing, that fit the memory set aside."""
     step = max(1, _BLOCK // each)
     return (slice(start, start + step) for start in range(0, count, step))
 
 
 def _cut_at_all(axes: Axes, corners: np.ndarray) -> np.ndarray:
-    """Triangles (F, 3, c), of which the first three numbers of a corner are its box coordinates, in pieces (P, 3, c) that each lie between
-    two cuts of every axis."""
+    """Cuts triangles (F, 3, c), whose corners begin with their three box coordinates, into pieces (P, 3, c) that lie between two cuts of
+    every axis."""
     for number, axis in enumerate(axes):
         for place in axis.cuts[1:-1]:
             corners = cut_triangles(corners, corners[:, :, number] - place)
@@ -141,7 +142,7 @@ def _cut_at_all(axes: Axes, corners: np.ndarray) -> np.ndarray:
 
 
 def _shares_below(axes: Axes, coordinates: np.ndarray, masses: np.ndarray) -> np.ndarray:
-    """Sum of m_s W_i(u_s) W_j(v_s) I_k(w_s), I_k being the integral of W_k from 0 to w."""
+    """Returns the sum of m_s W_i(u_s) W_j(v_s) I_k(w_s), where I_k is the integral of W_k from 0 to w."""
     counts = _counts(axes)
     u, v = (axis.weights(t) for axis, t in zip(axes[:2], coordinates.T[:2], strict=True))
     first, integrals = axes[2].integrals(coordinates[:, 2])
@@ -154,8 +155,8 @@ def _shares_below(axes: Axes, coordinates: np.ndarray, masses: np.ndarray) -> np
 
 
 def _summed(local: Sequence[Local], masses: np.ndarray, counts: Sequence[int]) -> np.ndarray:
-    """Sum over samples of masses (m,) times the product of what counts along each axis: with the same bits on every processor, which matrix
-    products have not."""
+    """Returns the sum over samples of masses (m,) times the product of the values along each axis. Unlike a matrix product, the sum has
+    the same bits on every processor."""
     (i, u), (j, v), (k, w) = local
     if (u.shape[1], v.shape[1], w.shape[1]) == tuple(counts):  # every point counts everywhere
         plane = ((u.T * masses)[:, None] * v.T).reshape(-1, len(masses))
@@ -169,12 +170,12 @@ def _summed(local: Sequence[Local], masses: np.ndarray, counts: Sequence[int]) -
 
 
 def _bernstein_integrals(t: np.ndarray, n: int) -> Local:
-    """I_i(t) of mass.py."""
+    """Returns I_i(t) of mass.py."""
     return np.zeros(len(t), dtype=np.int64), np.cumsum(weights(t, n + 1)[:, :0:-1], axis=1)[:, ::-1] / n
 
 
 def _span_integrals(n: int) -> np.ndarray:
-    """Integrals of the weights (n,) over each span, (n - 3, n)."""
+    """Returns the integrals of the weights (n,) over each span, (n - 3, n)."""
     spans = np.arange(n - 3)
     dense = np.zeros((n - 3, n))
     np.put_along_axis(dense, spans[:, None] + np.arange(4), _from_knot(spans + 1.0, spans, n), axis=1)
@@ -182,9 +183,9 @@ def _span_integrals(n: int) -> np.ndarray:
 
 
 def _from_knot(s: np.ndarray, first: np.ndarray, n: int) -> np.ndarray:
-    """Integrals of the four weights of span `first` (m,) from its lower knot to the parameter `s` (m,), shape (m, 4).
+    """Returns integrals of the four weights of span `first` (m,) from its lower knot to the parameter `s` (m,), shape (m, 4).
 
-    N dX/ds is of degree 5 in s, for which three points after Gauss are exact.
+    N dX/ds is of degree 5 in s, for which three Gauss points are exact.
     """
     total = np.zeros((len(s), 4))
     for point, share in zip(*np.polynomial.legendre.leggauss(3), strict=True):

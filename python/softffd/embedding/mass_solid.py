@@ -1,10 +1,11 @@
 """Masses of a solid's nodes.
 
-A box of one density gives each node the weight of the quadrature there, so that mass, centre and inertia are its own. Of an object in the
-box each part goes first to the nodes around it, by hat functions along each axis, of which no share is negative: mass and centre are the
-object's. The masses nearest to these have its inertia too (inertia.py), and at every node a part FLOORS of what the box would give: a
-lighter one makes the steps shorter, because the stiffness is that of the box. A thin object leaves no such masses, since masses at the
-places x_i and x_i+1 around an X have the variance (X - x_i) (x_i+1 - X) at least; then the inertia is as near to the object's as it goes.
+A box of one density gives each node the weight of the quadrature there, so that mass, centre and inertia are those of the box. An object
+in the box is first distributed to the nodes around each part, by hat functions along each axis, which give no negative mass: mass and
+centre are the object's. The masses nearest to these that have its inertia too are then found (inertia.py). Every node has a fraction
+FLOORS of what the box would give at least: a lighter one makes the steps shorter, because the stiffness is that of the box. For a thin
+object there are no such masses, since masses at the places x_i and x_i+1 around an X have at least the variance (X - x_i) (x_i+1 - X);
+then the inertia is as near to the object's as possible.
 """
 
 import numpy as np
@@ -18,16 +19,16 @@ from softffd.errors import SoftffdError
 from softffd.mesh.mesh import Mesh
 
 FLOORS = (0.3, 0.25, 0.2, 0.15, 0.1)
-"""The first that is possible counts."""
+"""Least fractions of the box's mass at a node; the first that is possible counts."""
 
 
 def node_masses(
     distribution: str, *, counts: tuple[int, int, int], origin: ArrayLike, size: ArrayLike, mesh: Mesh | None, total: float | None = None,
     density: float | None = None,
 ) -> Masses:  # fmt: skip
-    """The masses of a solid's nodes, as `point_masses` gives those of control points: for "box", "vertices", "surface" and "volume".
+    """Returns the masses of a solid's nodes, as `point_masses` does for control points: for "box", "vertices", "surface" and "volume".
 
-    Raises SoftffdError where the mesh does not fit, or where no masses have the object's centre.
+    Raises SoftffdError if the mesh does not fit, or if no masses have the object's centre.
     """
     whole, box, wanted = total_mass(total, density, mesh, size), volume_shares(counts), covariance(distribution, mesh, size)
     places = rest_nodes(counts, np.full(3, -0.5), np.ones(3)).reshape(-1, 3)
@@ -44,8 +45,9 @@ def node_masses(
 
 
 def hat_shares(distribution: str, counts: tuple[int, ...], origin: ArrayLike, size: ArrayLike, mesh: Mesh) -> np.ndarray:
-    """What the nodes (nx, ny, nz) have of a mesh's vertices, surface or volume by hat functions between them; not yet summing to one."""
-    degree = 4 if distribution == "volume" else 3  # of W_i W_j I_k and of W_i W_j W_k
+    """Returns the parts (nx, ny, nz) of a mesh's vertices, surface or volume that the nodes have by hat functions; they do not yet sum to
+    one."""
+    degree = 4 if distribution == "volume" else 3  # degree of W_i W_j I_k, and of W_i W_j W_k
     return mesh_shares(distribution, [_hats(n) for n in counts], lambda pieces: np.full(len(pieces), degree), origin, size, mesh)
 
 

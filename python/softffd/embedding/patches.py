@@ -1,8 +1,8 @@
-"""Patches of the surface whose contact forces are read: their places, the area around each, and what each counts for a grid of taxels.
+"""Patches of the surface whose contact forces are read: their places, the area around each, and the weight of each in a grid of taxels.
 
-A place is what touches obstacles: a sample of the surface (samples.py), or a control point of the lattice, or a node of a solid. The area
-around it at rest is a vector, outward: of a sample a third of the triangles at the vertices that are nearest to it; of a control point the
-integral of its weight over the sides of the box that it lies on, of a node its part of the quadrature.
+A place is a point that touches obstacles: a sample of the surface (samples.py), a control point of the lattice, or a node of a solid. The
+area around a place at rest is a vector, outward. For a sample it is a third of the triangles at the vertices to which this sample is
+nearest; for a control point the integral of its weight over the sides of the box on which it lies; for a node its part of the quadrature.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ Where = str | tuple[Corner, Corner]
 
 FACES = {f"{'xyz'[axis]}{side}": (axis, sign) for axis in range(3) for side, sign in (("-", -1), ("+", 1))}
 TURNED = 1e-9
-"""By how much of its length the area of a triangle may face another side more, and still faces this one"""
+"""A triangle faces a side if the component of its area there is at least 1 - TURNED of its largest component"""
 BLOCK = 1 << 24
-"""Distances at a time"""
+"""Distances that are computed at a time"""
 
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """places (m,): indices. weights (m,): the areas of the patch around them [m2]. shares: (place, taxel, part of the force on that place
-    that counts for it), taxels row by row; none without taxels."""
+    """A patch. places (m,): indices. weights (m,): areas of the patch around them [m2]. shares: (place, taxel, fraction of the force on
+    the place that counts for the taxel), taxels row by row; empty without taxels."""
 
     name: str
     places: NDArray[np.int64]
@@ -48,19 +48,19 @@ class Patch:
 
 @dataclass(frozen=True, eq=False)
 class Patches:
-    """areas: (P, 3) m2 at rest, outward, of every place."""
+    """All patches. areas: (P, 3) m2 at rest, outward, of every place."""
 
     areas: Array
     patches: list[Patch]
 
 
 def lattice_places(box: LatticeBox, *, solid: bool) -> Array:
-    """Control points, or nodes of a solid, at rest (n, 3) m."""
+    """Returns the control points, or nodes of a solid, at rest (n, 3) m."""
     return to_flat(rest_nodes(box.points, np.asarray(box.origin), np.asarray(box.size)) if solid else box.rest())
 
 
 def lattice_areas(box: LatticeBox, *, solid: bool) -> Array:
-    """The areas (n, 3) m2 around them, outward; 0 of those inside."""
+    """Returns the areas (n, 3) m2 around these places, outward; 0 for places inside."""
     shares = [axis_shares(n) if solid else control_axis(n, box.basis).whole for n in box.points]
     areas = np.zeros((*box.points, 3))
     for axis, (one, other) in enumerate(((1, 2), (0, 2), (0, 1))):
@@ -71,7 +71,7 @@ def lattice_areas(box: LatticeBox, *, solid: bool) -> Array:
 
 
 def points_on(where: Where, areas: Array, places: Array) -> Array:
-    """The area (n,) m2 of a patch around each control point or node, 0 of those that it has not."""
+    """Returns the area (n,) m2 of a patch around each control point or node, 0 for those outside the patch."""
     if isinstance(where, str):
         axis, sign = FACES[where]
         return np.asarray(np.maximum(sign * areas[:, axis], 0.0))
@@ -79,8 +79,8 @@ def points_on(where: Where, areas: Array, places: Array) -> Array:
 
 
 def vertices_on(where: Where, mesh: Mesh) -> Array:
-    """The area (V,) m2 of a patch around each vertex of the mesh, a third of each triangle, 0 of those that it has not. A side of the box
-    has the triangles that face it, a group its own, a box those at the vertices in it."""
+    """Returns the area (V,) m2 of a patch around each vertex of the mesh, a third of each triangle, 0 for vertices outside the patch. A
+    side of the box has the triangles that face it, a group has its own, and a box has those at the vertices in it."""
     if isinstance(where, str):
         mine = _facing(where, mesh) if where in FACES else _of_group(where, mesh)
     else:
@@ -91,7 +91,7 @@ def vertices_on(where: Where, mesh: Mesh) -> Array:
 
 
 def areas_around(mesh: Mesh, of_vertex: NDArray[np.int64], count: int) -> Array:
-    """The areas (count, 3) m2 of the mesh, outward, by the place that each vertex (V,) belongs to."""
+    """Returns the areas (count, 3) m2 of the mesh, outward, by the place that each vertex (V,) belongs to."""
     areas = np.zeros((count, 3))
     np.add.at(areas, of_vertex[mesh.faces.ravel()], np.repeat(area_vectors(mesh.vertices[mesh.faces]) / 6, 3, axis=0))
     return areas
@@ -104,7 +104,7 @@ def _facing(side: str, mesh: Mesh) -> Mask:
 
 
 def group_names(mesh: Mesh | None) -> list[str]:
-    """What groups of faces may be called: the names of groups and of objects."""
+    """Returns the possible names of groups of faces: the names of groups and of objects."""
     groups = mesh.looks.groups if mesh is not None else ()
     return list(dict.fromkeys(name for group in groups for name in (group.group, group.object) if name))
 
@@ -121,7 +121,7 @@ def _inside(corners: tuple[Corner, Corner], places: Array) -> Mask:
 
 
 def nearest(places: Array, among: Array) -> NDArray[np.int64]:
-    """The index (n,) of what is nearest to each place (n, 3) among others (m, 3); the first of those that are equally near."""
+    """Returns for each place (n, 3) the index of the nearest of other places (m, 3); the first one of those that are equally near."""
     found = np.empty(len(places), dtype=np.int64)
     rows = max(1, BLOCK // len(among))
     middle = among.mean(axis=0)
@@ -134,7 +134,8 @@ def nearest(places: Array, among: Array) -> NDArray[np.int64]:
 
 
 def taxel_shares(places: NDArray[np.int64], at: Array, areas: Array, taxels: tuple[int, int]) -> list[tuple[int, int, float]]:
-    """A place stands for a square of its area about it: each taxel gets what lies on it, along the two axes that the patch lies along."""
+    """Returns (place, taxel, fraction). A place stands for a square of its area about it: each taxel gets the fraction that lies on it,
+    along the two axes that the patch lies along."""
     across = int(abs(areas[places].sum(axis=0)).argmax())
     along = [axis for axis in range(3) if axis != across]
     width = np.sqrt(np.linalg.norm(areas[places], axis=1))
@@ -144,7 +145,8 @@ def taxel_shares(places: NDArray[np.int64], at: Array, areas: Array, taxels: tup
 
 
 def _overlaps(at: Array, width: Array, count: int) -> Array:
-    """What of each interval about a place (n,), of this width [m], lies on each of so many cells between the first place and the last."""
+    """Returns the fraction of the interval of this width [m] about each place (n,) that lies on each of `count` cells from the first
+    place to the last."""
     lower, upper = at.min(), at.max()
     if not upper > lower:
         return np.full((len(at), count), 1 / count)

@@ -1,13 +1,13 @@
 """Samples of the object's surface that obstacles meet: the mesh's vertices, or, of many, those that the others follow closely.
 
-A vertex v that is left out lies, whatever the deformation, behind a plane by at most e_v times the height of the lattice above it if no
-sample is behind it,
+If no sample is behind a plane, a vertex v that is left out lies behind the plane, whatever the deformation, by at most e_v times the
+height of the lattice above the plane,
 
     e_v = 1/2 |W_v - sum alpha_s W_s|_1        for any alpha_s >= 0 that sum to 1,
 
-W being the weights of all control points: those of a combination of samples are not behind the plane, and the entries of the difference
-sum to 0. Samples are chosen farthest first (Gonzalez 1985) by the distance |W_v - W_s|_2, which is what deformation can separate, and alpha
-is the nearest combination of samples near a vertex. The library finds both
+where W are the weights of all control points: the point with a combination of the samples' weights is not behind the plane, and the
+entries of the difference sum to 0. Samples are chosen farthest first (Gonzalez 1985) by the distance |W_v - W_s|_2, a measure of how far
+deformation can separate them. alpha is the nearest combination of samples near a vertex. The library finds both
 (fmu_src/core/embedding/samples.hpp).
 """
 
@@ -27,15 +27,15 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 MOST = 5000
-"""Samples of a mesh that has more vertices"""
+"""Most samples of a mesh that has more vertices"""
 
 
 @dataclass(frozen=True, eq=False)
 class Samples:
     """Samples of a surface.
 
-    places: (S, 3) m at rest, in the order of the vertices. vertices: how many places they have. behind: by how much of the lattice's height
-    any other vertex can be behind a plane.
+    places: (S, 3) m at rest, in the order of the vertices. vertices: number of places of all vertices. behind: fraction of the lattice's
+    height by which any other vertex can be behind a plane at most.
     """
 
     places: Array
@@ -44,9 +44,10 @@ class Samples:
 
 
 def surface_samples(mesh: Mesh, box: LatticeBox, penetration: float) -> Samples:
-    """All places of vertices that faces use; of more than MOST so many that none is behind by more than `penetration`, MOST at most.
+    """Returns all places of vertices that faces use; if these are more than MOST, so many of them that no vertex is behind a plane by
+    more than `penetration`, but MOST at most.
 
-    penetration: share of the lattice's height; 0: all, however many.
+    penetration: fraction of the lattice's height; 0: all places, however many.
     """
     used = mesh.vertices[np.bincount(mesh.faces.ravel()).nonzero()]
     places = used[np.sort(np.unique(used, axis=0, return_index=True)[1])]
@@ -65,9 +66,10 @@ def surface_samples(mesh: Mesh, box: LatticeBox, penetration: float) -> Samples:
 
 
 def axis_weights(places: Array, box: LatticeBox) -> Array:
-    """Weights (3, n, V) of the control points of x, y and z at places (V, 3) [m], whose products are those of all.
+    """Returns the weights (3, n, V) of the control points of x, y and z at places (V, 3) [m]; their products are the weights of all
+    points.
 
-    n: the most control points that an axis has; axes with fewer have zeros behind.
+    n: the most control points of an axis; axes with fewer are filled up with zeros.
     """
     found = np.zeros((3, max(box.points), len(places)))
     for axis, (t, n) in enumerate(zip(lattice_coordinates(places, box.origin, box.size).T, box.points, strict=True)):
@@ -76,7 +78,7 @@ def axis_weights(places: Array, box: LatticeBox) -> Array:
 
 
 def farthest_first(axes: Array, first: int, count: int) -> Indices:
-    """Indices (count,) of vertices, each the farthest from all before it, in weights (3, n, V); ties by index."""
+    """Returns indices (count,) of vertices, each the farthest from all before it, in weights (3, n, V); ties by index."""
     axes, order = np.ascontiguousarray(axes), np.empty(count, dtype=np.int64)
     find = library_function("softffd_farthest_first", None, c_int, c_longlong, c_void_p, c_longlong, c_longlong, c_void_p)
     find(*axes.shape[1:], axes.ctypes.data, first, count, order.ctypes.data)
@@ -84,7 +86,7 @@ def farthest_first(axes: Array, first: int, count: int) -> Indices:
 
 
 def most_behind(axes: Array, samples: Indices, allowed: float = np.inf) -> float:
-    """The largest e_v found of the vertices of weights (3, n, V) that are not among the samples (indices), or the first above `allowed`."""
+    """Returns the largest e_v found among vertices of weights (3, n, V) that are not samples (indices), or the first above `allowed`."""
     axes, samples = np.ascontiguousarray(axes), np.ascontiguousarray(samples)
     find = library_function("softffd_most_behind", c_double, c_int, c_longlong, c_void_p, c_longlong, c_void_p, c_double)
     return float(find(*axes.shape[1:], axes.ctypes.data, len(samples), samples.ctypes.data, allowed))

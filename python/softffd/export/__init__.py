@@ -1,1 +1,1 @@
-"""Runs as files of other programs."""
+"""Export of runs to files of other programs."""

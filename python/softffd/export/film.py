@@ -1,4 +1,4 @@
-"""Moving pictures, as softffd draws a run: GIF through Pillow, MP4 through ffmpeg where that is on the PATH."""
+"""Films of a run, drawn as softffd draws pictures: GIF through Pillow, MP4 through ffmpeg if ffmpeg is on the PATH."""
 
 import shutil
 import subprocess
@@ -14,14 +14,14 @@ from softffd.show.panel import Panels
 from softffd.show.touch import touch_of
 
 SHORTEST, LONGEST = 2.0, 20.0
-"""Of a film [s]; a run that takes less or more is shown slower or faster"""
+"""Least and largest duration of a film [s]; a run that takes less or more is shown slower or faster"""
 SIZES = {".gif": (640, 420, 20), ".mp4": (960, 640, 30)}
-"""Width and height in pixels, pictures per second"""
+"""By ending: width and height in pixels, pictures per second"""
 INK = (27, 36, 48)
 
 
 def write(take: Take, path: Path) -> None:
-    """Writes the film that the path's ending means."""
+    """Writes the film in the format that the path's ending names."""
     (_write_gif if path.suffix.lower() == ".gif" else _write_mp4)(take, path)
 
 
@@ -46,7 +46,7 @@ def _write_mp4(take: Take, path: Path) -> None:
                 running.stdin.write(image.tobytes())
             running.stdin.close()
         except BrokenPipeError:
-            pass  # it has ended, and says why
+            pass  # ffmpeg has ended, and reports why on stderr
         except BaseException:
             running.kill()
             raise
@@ -56,7 +56,7 @@ def _write_mp4(take: Take, path: Path) -> None:
 
 
 def _images(take: Take, width: int, height: int, rate: int) -> Iterator[Image.Image]:
-    """The pictures one after the other, each of the row that is nearest to its time."""
+    """Yields the pictures in the order of time, each of the row that is nearest to the picture's time."""
     span = float(take.time[-1] - take.time[0])
     lasts = min(max(span, SHORTEST), LONGEST)
     if span > 0 and lasts != span:

@@ -1,4 +1,4 @@
-"""The formats that a run is exported to, in one table, and the way there that all of them share."""
+"""The table of the formats that a run can be exported to, and the export procedure that all formats share."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ from softffd.run.tables import package
 from softffd.spelling import did_you_mean, nearest_of, wanted_one_of
 
 TOLERANCE = 1e-3
-"""Error allowed where a format approximates, as a share of the largest side of the box"""
+"""Error allowed where a format approximates, as a fraction of the largest side of the box"""
 
 
 @dataclass(frozen=True)
 class Format:
-    """endings: of its file, the first by default. writer: the module of this folder whose `write` makes it. needs: a package, and the extra
-    of softffd that has it. series: ending of the files that it lists, in a folder beside it. beside: what else there is, in the file's
-    name in the place of its ending. approximates: within a tolerance. draws: pictures."""
+    """endings: of the file, the first by default. writer: module of this folder whose `write` makes the file. needs: a required package,
+    and the extra of softffd that installs it. series: ending of the files that the file lists, in a folder beside it. beside: what
+    replaces the ending in further files' names. approximates: the format holds a run within a tolerance. draws: it holds pictures."""
 
     endings: tuple[str, ...]
     writer: str
@@ -34,11 +34,11 @@ class Format:
     draws: bool = False
 
     def ending_of(self, name: str) -> str:
-        """Of the endings that which a file's name has, as it stands there; "" for none of them."""
+        """Returns the one of the endings that a file's name has, as it is spelled there; "" if the name has none of them."""
         return next((name[-len(each) :] for each in self.endings if name.lower().endswith(each)), "")
 
     def files(self, path: Path) -> list[Path]:
-        """What is written for a path, with or without an ending: the file itself, then what is beside it."""
+        """Returns what is written for a path, with or without an ending: the file itself, then the files and the folder beside it."""
         ending = self.ending_of(path.name)
         stem = path.name.removesuffix(ending)
         own = self.endings[0] if self.series or not ending else ending.lower()
@@ -58,7 +58,7 @@ FORMATS = {
 
 
 def format_of(path: Path | None, to: str | None) -> str:
-    """The name of the format that `to` names or the ending of the file means; SoftffdError where neither does, or they differ."""
+    """Returns the format that `to` names or the file's ending means. Raises SoftffdError where neither names one, or where they differ."""
     if to is not None and to not in FORMATS:
         raise SoftffdError(f"--to: {wanted_one_of(FORMATS, to)}")
     if path is None or (to is not None and not path.suffix):
@@ -92,7 +92,7 @@ def export_result(
     if lattice is not None and not kind.draws:
         raise SoftffdError(f"lattice: wanted with {_that(lambda each: each.draws)}, which are drawn, got {name}")
     take = Take(result, _rows(len(result.time), frames), TOLERANCE if tolerance is None else tolerance, lattice, note, say)
-    _ = take.stage  # SoftffdError where positions were not recorded
+    _ = take.stage  # raises SoftffdError where positions were not recorded
     require_writable(path.parent)
     if kind.series:
         _require_own(others[-1], kind.series)
@@ -111,14 +111,14 @@ def _that(can: Callable[[Format], bool]) -> str:
 
 
 def _rows(count: int, frames: int | None) -> np.ndarray:
-    """All rows, or evenly chosen ones with the first and the last."""
+    """Returns all rows, or evenly chosen ones with the first and the last. Raises SoftffdError for fewer than 2 frames."""
     if frames is not None and frames < 2:
         raise SoftffdError(f"frames: wanted 2 or more, got {frames}")
     return np.unique(np.linspace(0, count - 1, min(count, frames or count)).round().astype(int))
 
 
 def _require_own(folder: Path, ending: str) -> None:
-    """SoftffdError where the folder of a series is there with what is no file of a series."""
+    """Raises SoftffdError if the folder of a series exists and contains anything that is no file of a series."""
     strange = [each.name for each in folder.iterdir() if each.suffix != ending or not each.is_file()] if folder.is_dir() else []
     if strange:
         raise SoftffdError(f"{folder}: wanted a folder for the series alone, got one with {strange[0]} in it; take another name")

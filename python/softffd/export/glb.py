@@ -1,9 +1,9 @@
-"""GLB: the mesh with its looks, its rigid motion as the animation of a node, what is left as morph targets (modes.py); and the obstacles.
+"""GLB: the mesh with its looks, its rigid motion as the animation of a node, the remainder as morph targets (modes.py); the obstacles.
 
 softffd         turns +z, which is up, into glTF's +y
   object        translation and rotation at every row
-    window 1    mesh of at most eight targets, weights at every row of the window; while another window is shown, its scale is 0, by
-    window 2    which glTF hides a node
+    window 1    mesh of at most eight targets, weights at every row of the window; while another window is shown, the node's scale
+    window 2    is 0, by which glTF hides a node
   NAME          of an obstacle, translation and rotation where it moves
 """
 
@@ -28,15 +28,16 @@ from softffd.rotation import quaternions
 from softffd.show.skin import PAINT
 
 LARGEST = 2e9
-"""Bytes of the targets; a GLB file has at most twice as many in all"""
+"""Largest size of the targets [bytes]; a GLB file has at most twice as many bytes in all"""
 BEHIND = 1e-3
-"""How far planes are moved back, as a share of their side: viewers show surfaces at one place as noise"""
+"""How far planes are moved back, as a fraction of their side: viewers show coinciding surfaces as noise"""
 Z_UP = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 """The rotation (x, y, z, w) that turns +z into +y"""
 
 
 def write(take: Take, path: Path) -> None:
-    """Writes the file, and tells the largest error of a vertex at a row; SoftffdError where that is above the take's tolerance."""
+    """Writes the file, and reports the largest error of a vertex at a row. Raises SoftffdError if this error is above the take's
+    tolerance, or if the shapes are too large for a file."""
     stage, side = take.stage, float(take.stage.size.max())
     take.note("finding shapes")
     points = stage.positions[take.rows].reshape(len(take.rows), -1, 3)
@@ -73,7 +74,7 @@ def write(take: Take, path: Path) -> None:
 
 
 def _dressed(mesh: Mesh) -> Mesh:
-    """The mesh in one piece, with a colour where it has none."""
+    """Returns the mesh in one piece, with a colour if it has none."""
     looks = replace(mesh.looks, groups=(), group_of=None)
     if not looks.materials and looks.colours is None:
         looks = Looks((Material("object", PAINT),), np.zeros(len(mesh.faces), dtype=np.int64))
@@ -81,7 +82,7 @@ def _dressed(mesh: Mesh) -> Mesh:
 
 
 def _error(take: Take, motion: Motion, shapes: list[np.ndarray]) -> float:
-    """The largest distance [m] of a vertex in the file's numbers from where it is, over all rows. shapes: of windows, (1 + K, V, 3)."""
+    """Returns the largest distance [m], over all rows, of a vertex in the file's numbers from its true place. shapes: (1 + K, V, 3)."""
     means, turns = motion.means.astype(np.float32), motion.turns.astype(np.float32).astype(float)
     worst, windows = 0.0, iter(zip(motion.windows, shapes, strict=True))
     window, (base, *targets) = next(windows)
@@ -95,7 +96,7 @@ def _error(take: Take, motion: Motion, shapes: list[np.ndarray]) -> float:
 
 
 class _File:
-    """The tree of a GLB file and its data: what trimesh writes of the meshes, and what is added."""
+    """The tree of a GLB file and its data: what trimesh writes of the meshes, and what is added to that."""
 
     def __init__(self, mesh: Mesh, shapes: list[np.ndarray], take: Take):
         with quiet_trimesh():
@@ -111,7 +112,7 @@ class _File:
         self.tree["asset"]["generator"] = "softffd"
 
     def animate(self, take: Take, motion: Motion, shapes: list[np.ndarray]) -> None:
-        """Makes the nodes, with the shapes (1 + K, V, 3) of each window, and their animation."""
+        """Adds the nodes, with the shapes (1 + K, V, 3) of each window, and their animation."""
         self._time = (take.time - take.time[0]).astype(np.float32)
         self._channels: list[dict[str, Any]] = []
         self._samplers: list[dict[str, Any]] = []
@@ -142,7 +143,7 @@ class _File:
         return len(self.tree["nodes"]) - 1
 
     def _pose(self, node: int, points: np.ndarray, axes: np.ndarray) -> None:
-        """Where a node is and, if there are several rows, is over time, with axes as rows (R, 3, 3)."""
+        """Sets a node's pose, with axes as rows (R, 3, 3), and for several rows the node's animation."""
         turns = np.roll(quaternions(axes.transpose(0, 2, 1)), -1, axis=1)
         self.tree["nodes"][node] |= {"translation": points[0].tolist(), "rotation": turns[0].tolist()}
         if len(points) > 1:
@@ -150,7 +151,7 @@ class _File:
             self._channel(node, "rotation", turns)
 
     def _show(self, node: int, first: int, last: int) -> None:
-        """Shows a window's node from its first row on until the next one's first."""
+        """Shows a window's node from the window's first row until the next window's first row."""
         keys = {0: 0.0} | {first: 1.0} | ({last: 0.0} if last < len(self._time) - 1 else {})
         self.tree["nodes"][node]["scale"] = [keys[0]] * 3
         self._channel(node, "scale", np.array([[key] * 3 for key in keys.values()]), list(keys), "STEP")
@@ -167,7 +168,7 @@ class _File:
         return own | ({"targets": [{"POSITION": self._accessor(target)} for target in targets]} if targets else {})
 
     def _accessor(self, values: np.ndarray) -> int:
-        """Numbers (N,) or (N, c), as single precision with their bounds; the accessor's number."""
+        """Adds numbers (N,) or (N, c), in single precision, with their bounds; returns the accessor's number."""
         values = np.ascontiguousarray(values, dtype="<f4")
         self.tree["bufferViews"].append({"buffer": 0, "byteOffset": self._length, "byteLength": values.nbytes})
         self._data.append(values.tobytes())
@@ -184,7 +185,7 @@ class _File:
 
 
 def _body(obstacle: Rigid) -> Any:
-    """trimesh's body of an obstacle, along its own axes."""
+    """Returns trimesh's body of an obstacle, along the obstacle's own axes."""
     import trimesh
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial

@@ -1,12 +1,12 @@
-"""A run as VTK's unstructured grids: the object's surface, its lattice, and each obstacle, whose points move and whose cells stay.
+"""A run as VTK's unstructured grids: the object's surface, its lattice, and each obstacle. The points move, the cells stay.
 
-    mesh           displacement at the points; between the centres of cells, as pictures have them, the quantities of show/tension.py; where
-                   the scene has taxels, contact_pressure in Pa, likewise between their centres
-    lattice        displacement of the control points (of a solid, of its material); of each cell strain (Green-Lagrange), stress (Cauchy)
+    mesh           displacement at the points; the quantities of show/tension.py, interpolated between the centres of cells as in pictures;
+                   where the scene has taxels, contact_pressure in Pa, interpolated between the taxels' centres
+    lattice        displacement of the control points (of a solid, of its material); for each cell strain (Green-Lagrange), stress (Cauchy)
                    in Pa, and these quantities. Tensors are xx, yy, zz, xy, yz, xz. Inverted cells have a stress of NaN.
     KIND_NAME      an obstacle in its pose
 
-Stress is there where the result has its scene.
+Stress is written if the result has its scene.
 """
 
 from collections.abc import Callable
@@ -23,9 +23,9 @@ from softffd.run.pressure import Covered, surface_pressure
 from softffd.show.tension import COLOURS, PRESSED, at_places
 
 TRIANGLE, HEXAHEDRON = 5, 12
-"""VTK's numbers of the kinds of cells"""
+"""VTK's numbers of the cell types"""
 SIX = (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)
-"""Rows and columns of a symmetric tensor's numbers, in VTK's order"""
+"""Rows and columns of a symmetric tensor's components, in VTK's order"""
 
 Arrays = dict[str, np.ndarray]
 Measured = Callable[[int], Arrays]
@@ -33,8 +33,8 @@ Measured = Callable[[int], Arrays]
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """`cells` (C, 3) or (C, 8), indices of points; `at`: of a row the points (N, 3) [m], arrays at the points (N, ..) and of the cells
-    (C, ..)."""
+    """`cells` (C, 3) or (C, 8): indices of points; `at`: function that returns for a row the points (N, 3) [m], the arrays at the points
+    (N, ..) and those of the cells (C, ..)."""
 
     name: str
     cells: np.ndarray
@@ -46,12 +46,12 @@ class Grid:
 
 
 def grids_of(take: Take) -> list[Grid]:
-    """All grids of a take, each name once."""
+    """Returns all grids of a take, with unique names."""
     stage = take.stage
     measures = [name for name in COLOURS if _known(take, name)]
     rest = to_flat(stage.rest)
     places = (take.mesh.vertices - stage.origin) / stage.size
-    measured = lru_cache(maxsize=1)(partial(_measured, take, measures))  # of a row, for the surface and for the lattice
+    measured = lru_cache(maxsize=1)(partial(_measured, take, measures))  # one row, used by surface and lattice
     parts = take.result.covered_by_taxels(take.mesh)
     surface, lattice = partial(_surface, take, places, measured, parts), partial(_lattice, take, rest, measured)
     kinds = {part.name: str(part).replace(".", "_") for part in take.result.obstacle_parts()}
@@ -67,7 +67,7 @@ def _known(take: Take, name: str) -> bool:
 
 
 def _measured(take: Take, measures: list[str], row: int) -> Arrays:
-    """Of all cells (nx - 1, ny - 1, nz - 1)."""
+    """Returns the values of all cells (nx - 1, ny - 1, nz - 1) by name."""
     return {name: COLOURS[name][2](take.result, row) for name in measures}
 
 
@@ -93,7 +93,7 @@ def _obstacle(obstacle: Rigid, row: int) -> tuple[np.ndarray, Arrays, Arrays]:
 
 
 def _hexahedra(counts: tuple[int, ...]) -> np.ndarray:
-    """Corners (C, 8) of the cells in flat order, in VTK's order around the bottom and the top."""
+    """Returns the corners (C, 8) of the cells in flat order, in VTK's order around the bottom and the top."""
     index = index_grid(counts)
     nx, ny, nz = (count - 1 for count in counts)
     around = [(0, 0), (1, 0), (1, 1), (0, 1)]

@@ -1,11 +1,11 @@
-"""A run as rigid motion and a few shapes: what formats hold that have morph targets in the place of moving vertices.
+"""A run as rigid motion and a few shapes, for formats that have morph targets in the place of moving vertices.
 
-Every vertex is a fixed combination of control points, so that shapes of these, (n, 3) each, are shapes of any mesh. At a row the points are
+Every vertex is a fixed combination of control points, so shapes (n, 3) of the control points are shapes of any mesh. At a row they are at
 
     p = mean + turn (rest - mean of rest + base + sum of weight_k shape_k),    k <= 8,  0 <= weight_k <= 1
 
-with the turn that fits best, and for some rows one after the other, a window, base, shapes and weights by the principal components of what
-is left. (Blender takes no weights outside of 0 .. 1.) Inside the box the combinations are convex, so that no vertex is farther off than the
+with the turn that fits best. In a window of consecutive rows, base, shapes and weights are the principal components of what remains.
+(Blender takes no weights outside of 0 .. 1.) Inside the box the combinations are convex, so that no vertex has a larger error than the
 worst control point. Nine rows have eight components without an error: windows that are short enough reach any tolerance.
 """
 
@@ -17,13 +17,13 @@ import numpy as np
 from softffd.run.stress import best_fit
 
 MOST = 8
-"""Morph targets that every viewer blends at a time"""
+"""Number of morph targets that every viewer blends at a time"""
 
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Rows first .. last, of which the last is the next window's first: `shapes` (1 + K, n, 3) [m], K <= 8, of which the first is the base,
-    and `weights` (last - first + 1, K) of the others, 0 .. 1."""
+    """Rows first .. last; the last row is the next window's first. `shapes` (1 + K, n, 3) [m], K <= 8: the base, then the K shapes;
+    `weights` (last - first + 1, K) of the K shapes, 0 .. 1."""
 
     first: int
     last: int
@@ -33,7 +33,7 @@ class Window:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """`means` (R, 3) [m] and `turns` (R, 3, 3), by which x -> mean + x @ turn, about `centre` (3,) [m], the mean at rest; the windows."""
+    """`means` (R, 3) [m] and `turns` (R, 3, 3) of the motion x -> mean + x @ turn about `centre` (3,) [m], the mean at rest; `windows`."""
 
     centre: np.ndarray
     means: np.ndarray
@@ -42,17 +42,17 @@ class Motion:
 
 
 def motion_of(positions: np.ndarray, rest: np.ndarray, error: float) -> Motion:
-    """The motion of control points (R, n, 3), at rest (n, 3), in as few windows as stay below an error [m] at every point and row."""
+    """Returns the motion of control points (R, n, 3), at rest (n, 3), in few windows with errors up to `error` [m] at all points, rows."""
     moved, at_rest, turns = best_fit(positions, rest)
     left = (moved @ turns.transpose(0, 2, 1) - at_rest).reshape(len(positions), -1)
     return Motion(rest.mean(axis=0), positions.mean(axis=1), turns, tuple(_windows(left, error)))
 
 
 def _windows(left: np.ndarray, error: float) -> Iterator[Window]:
-    """Each as long as it can be: its length is doubled, and then halved in between."""
+    """Yields windows, each as long as it can be: the length is doubled, then bisected."""
     products, first, end = left @ left.T, 0, len(left) - 1
     while True:
-        reached, over, step = min(first + MOST, end), end + 1, MOST  # up to `reached` it is good, to `over` it is not
+        reached, over, step = min(first + MOST, end), end + 1, MOST  # a window up to `reached` is good, up to `over` it is not
         window, _ = _fitted(left, products, first, reached, error)
         while over - reached > 1:
             tried = min(reached + step, end) if over > end else (reached + over) // 2
@@ -65,7 +65,7 @@ def _windows(left: np.ndarray, error: float) -> Iterator[Window]:
 
 
 def _fitted(left: np.ndarray, products: np.ndarray, first: int, last: int, error: float) -> tuple[Window, bool]:
-    """The window with the fewest shapes below the error, with MOST where these are not enough; whether it is below."""
+    """Returns the window with the fewest shapes below the error, with MOST where these are not enough; and whether it is below."""
     part = slice(first, last + 1)
     inner = products[part, part]
     inner = inner - inner.mean(axis=0) - inner.mean(axis=1, keepdims=True) + inner.mean()

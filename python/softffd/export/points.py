@@ -1,4 +1,4 @@
-"""Places of all vertices at every row: PC2, a series of PLY files.
+"""Places of all vertices at every row: PC2, or a series of PLY files.
 
 PC2, the point cache of Blender's Mesh Cache and of 3ds Max, stands beside the mesh at rest as OBJ:
 
@@ -18,12 +18,12 @@ from softffd.mesh.files import save_mesh
 
 
 def write(take: Take, path: Path) -> None:
-    """Writes what the path's ending means."""
+    """Writes the format that the path's ending names."""
     (_write_pc2 if path.suffix == ".pc2" else _write_ply)(take, path)
 
 
 def _write_pc2(take: Take, path: Path) -> None:
-    """Writes the cache, and NAME_rest.obj with what belongs to that, in one piece: programs take the groups of an OBJ file apart."""
+    """Writes the cache, and NAME_rest.obj with its files, the mesh in one piece, because programs take the groups of an OBJ file apart."""
     mesh = replace(take.mesh, looks=replace(take.mesh.looks, groups=(), group_of=None))
     save_mesh(mesh, path.with_name(f"{path.stem}_rest.obj"))
     with path.open("xb") as stream:
@@ -36,7 +36,7 @@ def _write_pc2(take: Take, path: Path) -> None:
 
 
 def _write_ply(take: Take, path: Path) -> None:
-    """Writes NAME_ply/NAME_0000.ply and so on, and NAME.ply.series, which tells ParaView their times; pictures are left out."""
+    """Writes NAME_ply/NAME_0000.ply and so on, and NAME.ply.series, which gives ParaView their times; textures are left out."""
     stem = path.name.removesuffix(".ply.series")
     folder = path.with_name(f"{stem}_ply")
     folder.mkdir()

@@ -1,4 +1,4 @@
-"""What of a run is exported: the rows that are taken, the object's surface, its lattice, and the obstacles with their poses."""
+"""The part of a run that is exported: the rows taken, the object's surface, its lattice, and the obstacles with their poses."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,15 +15,15 @@ from softffd.show.raster import Tint
 from softffd.show.stage import PlaneTrack, SolidTrack, Stage, stage_of, surface_of
 
 FLOOR, PLATE = 1.5, 1.0
-"""Half the side of a plane's square, as a share of half the diagonal of all there is to see"""
+"""Half the side of a plane's square, as a fraction of half the diagonal of all there is to see"""
 CLEAR = 0.25
-"""Opacity of planes that are no floor: from some side they are before the object"""
+"""Opacity of planes that are no floor: seen from some side, they are in front of the object"""
 
 
 @dataclass(frozen=True, eq=False)
 class Rigid:
-    """An obstacle: vertices (V, 3) [m] with unit normals (V, 3) and faces (F, 3), along its own axes about its point; its point (T, 3) [m]
-    and axes, unit vectors as rows (T, 3, 3), at every row of the run. A plane is a square of the size of the scene."""
+    """An obstacle: vertices (V, 3) [m] with unit normals (V, 3) and faces (F, 3), along the obstacle's own axes about its point; the
+    point (T, 3) [m] and the axes, unit vectors as rows (T, 3, 3), at every row of the run. A plane is a square of the size of the scene."""
 
     name: str
     tint: Tint
@@ -35,7 +35,7 @@ class Rigid:
     axes: np.ndarray
 
     def at(self, row: int) -> np.ndarray:
-        """The vertices (V, 3) [m] at a row."""
+        """Returns the vertices (V, 3) [m] at a row."""
         return self.points[row] + self.vertices @ self.axes[row]
 
     @property
@@ -45,11 +45,11 @@ class Rigid:
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """A run as what is written of it needs it.
+    """A run with the settings of its export.
 
-    `rows` (R,): those of the result's, in their order. `tolerance`: error allowed where a format approximates, as a share of the largest
-    side of the box. `shows_lattice`: in films; by default where there is no mesh. `note` is told how far it is, `say` what the user
-    should know.
+    `rows` (R,): the rows of the result to export, in their order. `tolerance`: error allowed where a format approximates, as a fraction
+    of the largest side of the box. `shows_lattice`: draw the lattice in films; by default where there is no mesh. `note` receives the
+    progress, `say` what the user should know.
     """
 
     result: Result
@@ -65,26 +65,26 @@ class Take:
 
     @cached_property
     def time(self) -> np.ndarray:
-        """(R,) [s]"""
+        """Times of the rows (R,) [s]"""
         return np.asarray(self.result.time, dtype=float)[self.rows]
 
     @cached_property
     def mesh(self) -> Mesh:
-        """The object's surface at rest: the scene's mesh, else the boundary of the box."""
+        """The object's surface at rest: the scene's mesh, or the boundary of the box."""
         return surface_of(self.result, self.stage)
 
     def deformed(self, row: int) -> np.ndarray:
-        """The vertices (V, 3) [m] of the mesh at a row."""
+        """Returns the vertices (V, 3) [m] of the mesh at a row."""
         return self.result.deformed(self.mesh, row=row)
 
     def lattice(self, row: int) -> np.ndarray:
-        """Corners of the lattice's cells at a row, in flat order (n, 3) [m]: the control points; of a solid points of its material."""
+        """Returns the corners of the lattice's cells at a row, in flat order (n, 3) [m]: control points, or a solid's material points."""
         if self.stage.basis != "patches":
             return to_flat(self.stage.positions[row])
         return self.result.deformed(to_flat(self.stage.rest), row=row)
 
     def told_rows(self, what: str = "row") -> Iterator[tuple[int, int]]:
-        """Number and row, one after the other; `note` is told how far it is."""
+        """Yields number and row, one after the other; reports the progress to `note`."""
         for number, row in enumerate(self.rows.tolist()):
             self.note(f"{what} {number + 1} of {len(self.rows)}")
             yield number, row

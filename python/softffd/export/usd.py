@@ -1,7 +1,7 @@
-"""USD with time samples: what film and robotics open, and Blender, Houdini, Omniverse.
+"""USD with time samples: the format of film and robotics software, and of Blender, Houdini, Omniverse.
 
 /softffd               z up, in metres; a second is 24 time codes
-  object               Mesh: points and extent at every row, the colours of faces; normals are the reader's
+  object               Mesh: points and extent at every row, the colours of faces; normals are left to the reader
   lattice              Points, for guidance (purpose "guide"): the control points; of a solid the corners of its cells
   obstacles/NAME       Mesh, its pose at every row where it moves
 """
@@ -17,13 +17,13 @@ from softffd.mesh.looks import to_light
 from softffd.rotation import quaternions
 
 RATE = 24.0
-"""Time codes of a second"""
+"""Time codes per second"""
 AT_A_TIME = 1 << 26
-"""Numbers that are kept before they are written to the file"""
+"""Number of values that are kept before they are written to the file"""
 
 
 def write(take: Take, path: Path) -> None:
-    """Writes the file, whose ending says how: .usdc or .usd in binary, .usda as text."""
+    """Writes the file in the form that its ending names: .usdc or .usd in binary, .usda as text. Raises OSError if it cannot be written."""
     from pxr import Tf
 
     try:
@@ -84,7 +84,7 @@ def _mesh(stage: Any, place: str, faces: np.ndarray) -> Any:
 
 
 def _sample(shape: Any, points: np.ndarray, time: float | None) -> None:
-    """Points and extent at a time, in time codes, or always."""
+    """Sets points and extent at a time, in time codes, or for all times if it is None."""
     from pxr import Usd
 
     at = Usd.TimeCode.Default() if time is None else Usd.TimeCode(time)

@@ -1,11 +1,11 @@
-"""VTKHDF 2.1, HDF5 as VTK from 9.5 on (ParaView 6) reads it: all grids and times in one file, each grid's cells once.
+"""VTKHDF 2.1, an HDF5 format that VTK reads from 9.5 on (ParaView 6): all grids and times in one file, each grid's cells once.
 
 /VTKHDF                 a MultiBlockDataSet
   Assembly              links to its grids
-  GRID                  an UnstructuredGrid: Points of all rows one after the other, Connectivity, Offsets, Types of one
+  GRID                  an UnstructuredGrid: Points of all rows one after the other, Connectivity, Offsets, Types of one row
     PointData, CellData arrays, likewise
     Steps               Values: the times; where in Points and in each array a row begins; the cells begin at 0 at every row
-  Steps                 the times again: VTK 9.7 keeps to the first one where a collection has none, and 9.4 stops where it has some
+  Steps                 the times again: without them in a collection VTK 9.7 keeps to the first time, and with them VTK 9.4 stops
 """
 
 from pathlib import Path
@@ -24,7 +24,7 @@ def write(take: Take, path: Path) -> None:
     with h5py.File(path, "x") as file:
         root = file.create_group("VTKHDF", track_order=True)
         _say(root, "MultiBlockDataSet")
-        assembly = root.create_group("Assembly", track_order=True)  # which VTK goes by
+        assembly = root.create_group("Assembly", track_order=True)  # VTK follows these links
         grids = grids_of(take)
         for grid in grids:
             assembly[grid.name] = h5py.SoftLink(f"/VTKHDF/{grid.name}")
@@ -47,7 +47,7 @@ def _steps(group: Any, time: np.ndarray) -> Any:
 
 
 def _begin(group: Any, grid: Grid, time: np.ndarray) -> None:
-    """The grid's cells and times."""
+    """Writes the grid's cells and times."""
     _say(group, "UnstructuredGrid")
     count, corners = grid.cells.shape
     group["NumberOfCells"], group["NumberOfConnectivityIds"] = np.array([count], dtype="<i8"), np.array([grid.cells.size], dtype="<i8")
@@ -64,7 +64,7 @@ def _begin(group: Any, grid: Grid, time: np.ndarray) -> None:
 
 
 def _add(group: Any, grid: Grid, number: int, row: int, rows: int) -> None:
-    """A row's points and arrays, each a block of its length."""
+    """Writes a row's points and arrays, each as one block."""
     points, at_points, of_cells = grid.at(row)
     steps = group["Steps"]
     if number == 0:

@@ -1,6 +1,6 @@
-"""VTU, the XML files of VTK, one for each grid and row, and a PVD file that lists them with their times: any ParaView reads them.
+"""VTU, the XML files of VTK, one for each grid and row, and a PVD file that lists them with their times; any ParaView reads these files.
 
-The numbers are in base64, each array after its length in bytes (UInt64), as VTK's "inline binary" has it.
+The numbers are in base64, each array after its length in bytes (UInt64), as in VTK's "inline binary" format.
 """
 
 import base64

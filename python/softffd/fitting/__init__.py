@@ -1,1 +1,1 @@
-"""Parameters from measured curves."""
+"""Fits parameters to measured curves."""

@@ -1,7 +1,7 @@
-"""A curve of a run where data ask for it: over time, or over another quantity that goes back and forth, as force over displacement.
+"""A run's curve at the points of the data: over time, or over another quantity that goes back and forth, as force over displacement.
 
-A force over displacement has a value for each way: one when the sample is loaded, another when it is unloaded. So both curves are cut into
-*branches* where the displacement turns, the first of the data belongs to the first of the run, and so on.
+A force over displacement has one value on loading and another on unloading. So the curves of data and run are both cut into *branches*
+where the displacement turns. The first branch of the data belongs to the first of the run, and so on.
 
       force |       ..*   turn: end of branch 1, begin of branch 2
             |    .*. /
@@ -9,8 +9,8 @@ A force over displacement has a value for each way: one when the sample is loade
             | *..*
             +----------- displacement
 
-The mean of a communication step, as a reaction is, counts as the value in the step's middle: taken as that of its end it would come half a
-step late, which a fit takes for damping.
+A mean over a communication step, such as a reaction, counts as the value in the middle of the step. Taken as the value at the end, it
+would come half a step late, which a fit would take for damping.
 """
 
 from typing import NamedTuple
@@ -20,8 +20,8 @@ import numpy as np
 from softffd.errors import FmuError
 
 SLACK = 0.02
-"""A displacement turns where it goes back by more than this part of the measured range; data may lie so far beyond the run's ends"""
-STILL = 1e-9  # part of the range within which a displacement rests
+"""A displacement turns where it goes back by more than this fraction of the measured range; data may lie so far beyond the run's ends"""
+STILL = 1e-9  # fraction of a branch's range within which a displacement rests
 
 
 class Branch(NamedTuple):
@@ -33,7 +33,7 @@ class Branch(NamedTuple):
 
 
 def branches(values: np.ndarray, slack: float) -> list[Branch]:
-    """The branches of a column (n,), whose ends are the turns; a way back of `slack` or less is no turn."""
+    """Returns the branches of a column (n,), whose ends are the turns; a way back of `slack` or less is no turn."""
     turns, signs, extreme, sign = [0], [], 0, 0
     for n, value in enumerate(values.tolist()):
         ahead = value - float(values[extreme])
@@ -52,18 +52,18 @@ def branches(values: np.ndarray, slack: float) -> list[Branch]:
 
 
 def at_middles(times: np.ndarray, column: np.ndarray, *, mean: bool, means: bool) -> np.ndarray:
-    """A column (T,) of a run where the matched one is known: at communication points, or, of `means` of steps, in the middles of the steps
-    (T - 1,). mean: whether the column is one of means itself."""
+    """Returns a column (T,) of a run where the matched column is known: at the communication points, or, if the matched column has means
+    of steps (`means`), in the middles of the steps (T - 1,). mean: whether the returned column has means itself."""
     if not means:
         return np.interp(times, (times[1:] + times[:-1]) / 2, column[1:]) if mean else column
     return column[1:] if mean else (column[1:] + column[:-1]) / 2
 
 
 class OverAnother:
-    """Which branch each row of the data belongs to; known from the beginning, as the data do not change."""
+    """Evaluates curves of runs at the rows of the data over another quantity than time. The branches of the data are found once."""
 
     def __init__(self, name: str, measured: np.ndarray):
-        """name: of the quantity in whose place time would be. measured: its values (m,) in their order. FmuError where it rests."""
+        """name: of the quantity that replaces time. measured: its values (m,) in their order. Raises FmuError if they do not change."""
         self.name, self.measured = name, measured
         self.slack = SLACK * float(np.ptp(measured))
         self.branches = branches(measured, self.slack)
@@ -71,8 +71,8 @@ class OverAnother:
             raise FmuError(f"{name}: wanted a column that changes, for it takes the place of time; got {measured[0]:g} in all rows")
 
     def __call__(self, along: np.ndarray, values: np.ndarray, *, strict: bool = False) -> np.ndarray:
-        """A run's values (n,) over `along` (n,) at the rows of the data (m,). FmuError where the run has other branches than the data, and,
-        if strict, where it does not come as far as they do."""
+        """Returns a run's values (n,) over `along` (n,) at the rows of the data (m,). Raises FmuError if the run has other branches than
+        the data, and, if strict, if the run does not reach as far as the data."""
         own, result = branches(along, self.slack), np.empty(len(self.measured))
         ways = [branch.sign for branch in self.branches]
         if [branch.sign for branch in own[: len(ways)]] != ways:
@@ -95,7 +95,8 @@ class OverAnother:
 
 
 def _moving(branch: Branch, along: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The rows of a branch in which it goes on, as it grows: of a rest at its begin the last one, of others the first."""
+    """Returns the rows of a branch where the quantity advances, in growing order. Of a rest at the begin it keeps the last row, of other
+    rests the first row."""
     x, y = along[branch.first : branch.last + 1], values[branch.first : branch.last + 1]
     ahead = branch.sign * (x - x[0])
     begin = int(np.flatnonzero(ahead > STILL * ahead.max())[0]) - 1
@@ -106,7 +107,7 @@ def _moving(branch: Branch, along: np.ndarray, values: np.ndarray) -> tuple[np.n
 
 
 def over_time(times: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """Values (n,) at growing times, linear between them and beyond the ends, at the times wanted (m,)."""
+    """Returns values (n,) at growing times, linear between them and beyond the ends, at the times wanted (m,)."""
     if len(times) < 2:
         return np.full(len(wanted), values[0])
     places = np.clip(np.searchsorted(times, wanted) - 1, 0, len(times) - 2)

@@ -22,16 +22,16 @@ class Curve:
 
     title: str
     match: str
-    against: str  # "time", or the name of what is in its place
-    units: dict[str, str]  # of both, by name
+    against: str  # "time", or the name of the quantity that replaces it
+    units: dict[str, str]  # units of both, by name
     at: np.ndarray  # (m,)
     measured: np.ndarray
     fitted: np.ndarray
-    unused: tuple[str, ...]  # columns of the data that nothing was done with
+    unused: tuple[str, ...]  # columns of the data that are not used
 
 
 def draw(title: str, curves: Sequence[Curve], file: str | Path | None) -> Figure:
-    """A panel of data and curve above one of residuals, for each test. file: where it is written, if anywhere."""
+    """Draws, for each test, a panel of data and curve above one of residuals. file: where the figure is written, if anywhere."""
     if file is not None and Path(file).suffix not in FORMATS:
         raise SoftffdError(f"{file}: wanted a picture's name that ends with {', '.join(FORMATS)}")
     count = len(curves)

@@ -1,8 +1,8 @@
-"""Standard errors and correlations of fitted parameters, and what the data cannot tell apart.
+"""Standard errors and correlations of fitted parameters, and the parameters that the data cannot distinguish.
 
-The standard errors are those of least squares with independent noise of one size (Seber & Wild 1989, section 2.1): the covariance of the
-parameters' coordinates is s^2 (J^T J)^-1, with s^2 the sum of squares over rows less parameters. A direction in which the curve changes
-less than the noise over half of the parameters' scale, or less than the Jacobian is known, is one that the data do not show.
+The standard errors are those of least squares with independent noise of one size (Seber & Wild 1989, section 2.1). The covariance of the
+parameters' coordinates is s^2 (J^T J)^-1, with s^2 the sum of squares over rows less parameters. The data do not show a direction along
+which the curve changes, over half of the parameters' scale, by less than the noise, or by less than the accuracy of the Jacobian.
 """
 
 import math
@@ -16,15 +16,15 @@ from softffd.fitting.parameters import Parameter, values_of
 from softffd.fitting.result import Fit
 from softffd.spelling import few
 
-WIDE = 0.5  # standard error along a direction, as a part of the parameters' scale, from which on the data do not show it
-TAKES_PART = 0.1  # part of the square of a direction from which on a parameter belongs to it
-LEAST = 1e-12  # of a singular value to the size of the curve, and to the largest one
-KNOWN = 3.0  # a singular value counts where it is so many times the error of the Jacobian
-CORRELATED = 3.0  # residuals are no noise where their correlation from row to row is so many standard deviations of that of noise
+WIDE = 0.5  # the data do not show a direction with a standard error of at least this, in units of the parameters' scale
+TAKES_PART = 0.1  # a parameter belongs to a direction (a unit vector) if the square of its component exceeds this
+LEAST = 1e-12  # least ratio of a singular value to the size of the curve, and to the largest singular value
+KNOWN = 3.0  # a singular value counts if it is greater than this multiple of the Jacobian's error
+CORRELATED = 3.0  # residuals are no noise if their correlation from row to row is above so many standard deviations of that of noise
 
 
 class Jacobian(NamedTuple):
-    """Of the curves by the coordinates of the parameters, where and how well it is known."""
+    """Derivatives of the curves by the coordinates of the parameters, the point where they were taken, and their accuracy."""
 
     point: np.ndarray  # (n,)
     columns: np.ndarray  # (m, n)
@@ -35,11 +35,11 @@ def estimate(
     parameters: Sequence[Parameter], jacobian: Jacobian, residuals: np.ndarray, curves: tuple[Curve, ...], *, runs: int, noise: float,
     converged: bool,
 ) -> Fit:  # fmt: skip
-    """The result at the best point. residuals: (m,), weighted, in the unit of what is matched."""
+    """Returns the result at the best point. residuals: (m,), weighted, in the unit of the matched variable."""
     names, count = [parameter.name for parameter in parameters], len(parameters)
     deviation = float(np.sqrt(residuals @ residuals / (len(residuals) - count)))
     _, singular, directions = np.linalg.svd(jacobian.columns, full_matrices=False)
-    known = np.sqrt(directions**2 @ jacobian.errors**2)  # of each direction's singular value
+    known = np.sqrt(directions**2 @ jacobian.errors**2)  # error of each direction's singular value
     size = float(np.linalg.norm(np.concatenate([curve.fitted for curve in curves])))
     hidden = (singular <= np.maximum(KNOWN * known, LEAST * size)) | (deviation >= WIDE * singular)
     singular = np.maximum(singular, max(LEAST * singular[0], 1e-100))
@@ -84,7 +84,8 @@ def _at_ends(parameters: Sequence[Parameter], values: dict[str, float]) -> list[
 
 
 def _correlated(curves: tuple[Curve, ...], noise: float) -> list[str]:
-    """What the data and the model have in common is not all: noise does not follow itself, but for that of the solver."""
+    """Returns warnings for correlated residuals, which show that the model misses something: noise is not correlated, except the
+    solver's."""
     found = []
     for curve in curves:
         rest = curve.measured - curve.fitted

@@ -1,4 +1,4 @@
-"""One measured curve and the runs that are to give it."""
+"""One measured curve and the runs that should reproduce it."""
 
 from __future__ import annotations
 
@@ -25,41 +25,41 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 
-STILL = 1e-9  # relative difference up to which a time is that of another
+STILL = 1e-9  # relative difference up to which two times are equal
 
 
 @dataclass(frozen=True)
 class Points(Plan):
-    """Runs at listed points, not over a grid: the varied values with the same number belong together."""
+    """Runs at listed points, not over a grid: the varied values with the same index belong together."""
 
     def start(self, index: Index) -> dict[str, Any]:
-        """The start values of one run."""
+        """Returns the start values of one run."""
         return self.start_values | {name: numbers[index[0]] for name, numbers in self.numbers.items()}
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """A measured curve, and what makes the curve of a run that belongs to it."""
+    """A measured curve, and what is needed to compute the curve of a run that belongs to it."""
 
     plan: Points
     title: str
     match: str
-    against: str  # name of what is in the place of time, or "time"
+    against: str  # name of the quantity that replaces time, or "time"
     units: dict[str, str]
     measured: np.ndarray  # (m,)
-    at: np.ndarray  # where: (m,), times [s] or values of `against`
-    unused: list[str]  # columns of the data that nothing was done with
-    mean: bool  # whether what is matched is a mean of steps, and the data are not
-    along_mean: bool  # likewise of `against`
+    at: np.ndarray  # places of the measured values: (m,), times [s] or values of `against`
+    unused: list[str]  # columns of the data that are not used
+    mean: bool  # whether the matched variable is a mean over steps, and the data are not
+    along_mean: bool  # the same for `against`
     over: OverAnother | None
-    course: np.ndarray | None  # of `against` (T,), where it is an input; else it is read from the run
+    course: np.ndarray | None  # values of `against` (T,) if it is an input; else they are read from the run
 
     def at_points(self, points: Sequence[Mapping[str, float]]) -> Points:
-        """The plan of runs with these parameters."""
+        """Returns the plan of runs with these parameters."""
         return replace(self.plan, numbers={name: [point[name] for point in points] for name in self.plan.numbers})
 
     def curve(self, readings: np.ndarray, *, strict: bool = False) -> np.ndarray:
-        """A run's curve (m,) where the data have theirs; readings: (1 or 2, T). FmuError where they do not go together."""
+        """Returns a run's curve (m,) at the points of the data. readings: (1 or 2, T). Raises FmuError if the branches do not match."""
         times = self.plan.times
         values = at_middles(times, readings[0], mean=self.mean, means=self.mean)
         if self.over is None:
@@ -72,7 +72,7 @@ def experiment_of(
     scene_or_fmu: Scene | str | Path, folder: Path, data: Data, match: str, vary: Mapping[str, Any], against: str | None, recorded: bool,
     inputs: Source | None, *, stop_time: float | None, step: float | None, **how: Any,
 ) -> tuple[Experiment, list[Parameter]]:  # fmt: skip
-    """An experiment and its parameters, everything checked; see `fit`.
+    """Returns an experiment and its parameters, after checking everything; see `fit`.
 
     folder: a temporary one for the FMU of a scene. how: start values, tolerance, method."""
     what = run_source(scene_or_fmu, "fit")
@@ -115,7 +115,7 @@ def experiment_of(
 
 
 def _as_fmu(what: Scene | Path, folder: Path) -> Path:
-    """A scene's FMU is packaged once for all runs and all workers."""
+    """Returns the path of the FMU. A scene's FMU is packaged once for all runs and all workers."""
     if isinstance(what, Path):
         return what.absolute()
     from softffd.fmu.package import package_fmu
@@ -132,7 +132,7 @@ def _require_matched(component: Component, match: str) -> None:
 
 
 def _stop_time(columns: Columns, given: float | None, step: float | None) -> float:
-    """The given one, else the communication point at the last row or behind it; FmuError where rows are behind it."""
+    """Returns the given stop time, else the communication point at or after the last row. Raises FmuError if rows are later."""
     times = columns.values["time"]
     if given is None:
         return float(times[-1]) if not step or not step > 0 else math.ceil(times[-1] / step * (1 - STILL)) * step

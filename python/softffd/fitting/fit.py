@@ -1,8 +1,8 @@
 """Fits parameters of a scene or an FMU to measured curves by least squares (SciPy), with the uncertainty that the data leave.
 
-The Jacobian comes from differences of runs. A curve of a run is right to the solver's tolerance only, and its error jumps where a solver
-chooses other steps. So the noise of curves is measured first, by differences of the fourth order of five runs close together (More & Wild
-2011), and a difference quotient takes the step that balances it with the curvature, 2 sqrt(noise / slope).
+The Jacobian comes from differences of runs. The curve of a run is right to the solver's tolerance only, and its error jumps where a
+solver chooses other steps. So the noise of the curves is measured first, by fourth-order differences of five runs close together (More &
+Wild 2011). A difference quotient then takes the step that balances the noise with the curvature, 2 sqrt(noise / slope).
 """
 
 from __future__ import annotations
@@ -35,11 +35,12 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, float], object]
 
-FIRST_STEP = 1e-2  # of the first differences, in coordinates of the parameters: the root of the usual tolerance, 1e-4
-LEAST_STEP, MOST_STEP = 1e-5, 0.1  # of all others
+FIRST_STEP = 1e-2  # step of the first differences, in coordinates of the parameters: the root of the usual tolerance, 1e-4
+LEAST_STEP, MOST_STEP = 1e-5, 0.1  # bounds of the steps of all other differences
 CLOSE = 1e-4
-"""The sum of squares changes by less than this, over the number of rows, in the last iteration: by a hundredth of a standard error"""
-SHORT = 1e-7  # or the step is shorter than this part of the coordinates
+"""The fit ends if an iteration changes the sum of squares by less than this fraction over the number of rows: a hundredth of a standard
+error"""
+SHORT = 1e-7  # or if the step is shorter than this fraction of the coordinates
 MOST_ITERATIONS = 50
 
 
@@ -50,26 +51,27 @@ def fit(
     start_values: Mapping[str, Any] | None = None, inputs: Source | None = None, tolerance: float | None = None, method: str | None = None,
     jobs: int | None = None, executor: Executor | None = None, progress: Progress | None = None,
 ) -> Fit:  # fmt: skip
-    """The parameters with which runs come nearest to a measured curve, by the sum of squares, with their standard errors.
+    """Returns the parameters with which runs come nearest to a measured curve, by the sum of squares, with their standard errors.
 
     scene_or_fmu: a scene, the path of its file, the name of a shipped one, or the path of an FMU; or a list of them, one for each test of
         a list in `data`: all tests share the parameters.
     data: the measured columns in the units of the FMU's variables and by their names: a CSV file, a structured array, a DataFrame, or a
-        dict. `time` [s] is that of the run. Columns that are inputs of the FMU are played in; without any, `inputs` drive the runs. In a
-        list an item for each test.
-    match: the output that was measured, and its column.
-    vary: names of fixed or tunable parameters, or starts by name; without a start it is the FMU's own, of several tests the first one's.
-    against: an input or output in the place of time, such as a displacement: its column must follow the branches of the run's, loading
-        and unloading, but needs no time.
-    recorded: whether the data are outputs of a run, as in result.csv. Reactions and torques in them are means of the steps that end at
-        their times; those of an instrument are of the time itself, and the means of the runs then count in the middle of their steps.
-    noise: standard deviations of the tests, where they differ; only their ratios count.
-    stop_time: of the runs [s]; by default the communication point of the last row or the next one, without times the FMU's.
-    step, start_values, inputs, tolerance, method: of all runs, as for `simulate`.
-    jobs, executor: who makes the runs of a Jacobian, as for `sweep`.
+        dict; or a list with an item for each test. The column `time` [s] is the time of the run. Columns that are inputs of the FMU drive
+        the runs; if there are none, `inputs` drives them.
+    match: the output that was measured, which is also the name of its column.
+    vary: names of fixed or tunable parameters, or start values by name. A missing start value is the FMU's own, for several tests the
+        first FMU's.
+    against: an input or output that replaces time, such as a displacement. Its column must follow the branches of the run, loading and
+        unloading, but needs no time.
+    recorded: whether the data are outputs of a run, as in result.csv. Reactions and torques in such data are means of the steps that end
+        at their times. The values of an instrument belong to their times; the means of the runs then count in the middle of their steps.
+    noise: standard deviations of the tests, if they differ; only their ratios count.
+    stop_time: of the runs [s]; by default the communication point of the last row or the next one, for data without times the FMU's.
+    step, start_values, inputs, tolerance, method: for all runs, as for `simulate`.
+    jobs, executor: how the runs of a Jacobian are made, as for `sweep`.
     progress: called as progress(runs so far, root mean square of the residuals [unit of match]).
-    Raises FmuError where names, values or data cannot be used and where the first run fails; SoftffdError where SciPy is missing. Ctrl-C
-    raises KeyboardInterrupt with the best parameters so far.
+    Raises FmuError if names, values or data cannot be used, and if the first run fails; SoftffdError if SciPy is missing. Ctrl-C raises
+    KeyboardInterrupt with the best parameters so far.
     """
     optimize = package("scipy.optimize", "fit", "fit")
     require_workers(jobs, executor)
@@ -106,7 +108,7 @@ def _paired(scene_or_fmu: Any, data: Any) -> tuple[list[Any], list[Any]]:
 
 
 def _weights(experiments: Sequence[Experiment], noise: Sequence[float] | None) -> np.ndarray:
-    """Of each row: 1 in the test of least noise, less in others."""
+    """Returns the weight of each row: 1 in the test of least noise, less in other tests."""
     given = [1.0] * len(experiments) if noise is None else [one_number("noise", each) for each in noise]
     if len(given) != len(experiments) or not all(0 < each < math.inf for each in given):
         raise SoftffdError(f"noise: wanted a number > 0 for each of {len(experiments)} tests, got {given}")
@@ -114,8 +116,8 @@ def _weights(experiments: Sequence[Experiment], noise: Sequence[float] | None) -
 
 
 class _Runs:
-    """Residuals and Jacobian at coordinates (n,) of the parameters, from runs. Rows are those of all tests, one after the other, in the
-    unit of what is matched."""
+    """Residuals and Jacobian at coordinates (n,) of the parameters, from runs. The rows are those of all tests, one test after the other,
+    in the unit of the matched variable."""
 
     def __init__(
         self, experiments: list[Experiment], parameters: list[Parameter], weights: np.ndarray, make: Make, progress: Progress | None
@@ -123,7 +125,7 @@ class _Runs:
         self._experiments, self._parameters, self._weights, self._make = experiments, parameters, weights, make
         self._progress = progress
         self._measured = np.concatenate([each.measured for each in experiments])
-        self._at, self._curve = np.full(len(parameters), np.nan), np.empty(0)  # of the last single run
+        self._at, self._curve = np.full(len(parameters), np.nan), np.empty(0)  # point and curve of the last single run
         self._best: tuple[float, np.ndarray] = math.inf, np.ones(len(parameters))
         self._steps = np.full(len(parameters), FIRST_STEP)
         self.bounds = self._low, self._high = np.transpose([each.bounds for each in parameters])
@@ -132,7 +134,7 @@ class _Runs:
         self.count = 0
 
     def begin(self) -> None:
-        """The first run, whose failure is told, and those close to it that show the noise of curves."""
+        """Makes the first run, whose failure is reported, and the runs close to it that show the noise of the curves."""
         ones = np.ones(len(self._parameters))
         sides = np.array([1.0 if high > 1 + 5 * FIRST_STEP else -1.0 for _, high in (each.bounds for each in self._parameters)])
         curves = self._curves([ones + n * FIRST_STEP * sides for n in range(5)], strict=True)
@@ -141,10 +143,10 @@ class _Runs:
         kept = [curve for curve in curves if not isinstance(curve, str)]
         self._at, self._curve = ones, kept[0]
         if len(kept) == 5:
-            self.noise = float(np.sqrt(np.mean(np.diff(kept, 4, axis=0) ** 2) / 70))  # 70: of the binomial coefficients 1, 4, 6, 4, 1
+            self.noise = float(np.sqrt(np.mean(np.diff(kept, 4, axis=0) ** 2) / 70))  # 70: sum of squares of the binomials 1, 4, 6, 4, 1
 
     def residuals(self, point: np.ndarray) -> np.ndarray:
-        """(m,); infinite where the run fails, so that the next one is tried closer by."""
+        """Returns the weighted residuals (m,). They are infinite if the run fails, so that the next one is tried closer by."""
         if not np.array_equal(point, self._at):
             (curve,) = self._curves([point])
             self._at, self._curve = point.copy(), np.full(len(self._measured), np.inf) if isinstance(curve, str) else curve
@@ -158,7 +160,7 @@ class _Runs:
         return result
 
     def jacobian(self, point: np.ndarray) -> np.ndarray:
-        """(m, n), by differences from the run at this point; to the other side where a run fails or the range ends."""
+        """Returns the Jacobian (m, n) by differences from the run at this point, to the other side if a run fails or the range ends."""
         centre = self.residuals(point)
         assert np.isfinite(centre).all()
         columns, words = np.empty((len(centre), len(point))), ""
@@ -182,7 +184,7 @@ class _Runs:
         return columns
 
     def fit(self, point: np.ndarray, *, converged: bool) -> Fit:
-        """The result at the best point."""
+        """Returns the result at the best point."""
         residuals = self.residuals(point)
         if self._last is None or not np.array_equal(self._last.point, point):
             self.jacobian(point)
@@ -195,13 +197,13 @@ class _Runs:
         return estimate(self._parameters, self._last, residuals, curves, runs=self.count, noise=self.noise, converged=converged)
 
     def so_far(self) -> str:
-        """What an interrupt says."""
+        """Returns the message of an interrupt."""
         if math.isinf(self._best[0]):
             return "before the first run had ended; nothing was written"
         return f"after {self.count} runs; best so far: {_told(self._parameters, self._best[1])}; nothing was written"
 
     def _curves(self, points: Sequence[np.ndarray], *, strict: bool = False) -> list[np.ndarray | str]:
-        """The curves (m,) of all tests at some points, or the words of what failed."""
+        """Returns for each point the curves (m,) of all tests, or the message of what failed."""
         values = [values_of(self._parameters, point) for point in points]
         found: list[list[np.ndarray]] = [[] for _ in points]
         words: dict[int, str] = {}

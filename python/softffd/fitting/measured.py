@@ -1,4 +1,4 @@
-"""Measured data as columns by name, and what each column is for: time, inputs to be played in, the curve to be matched."""
+"""Measured data as columns by name, and the role of each column: time, inputs that drive the run, the curve to be matched."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ Data = Union[str, Path, np.ndarray, Mapping[str, Sequence[float]], "pd.DataFrame
 class Columns:
     """Measured values (m,) by the names of the FMU's variables, in their units, and `time` [s]."""
 
-    where: str  # how messages about them begin
+    where: str  # prefix of messages about the columns
     values: dict[str, np.ndarray]
 
     def column(self, name: str) -> np.ndarray:
-        """The values of a variable; UnknownName, with the nearest name, where there are none."""
+        """Returns the values of a variable. Raises UnknownName, with the nearest name, if there are none."""
         if name not in self.values:
             nearest = did_you_mean(nearest_of(name, self.values))
             raise UnknownName(f"{self.where}wanted a column {name}, got {few(list(self.values))}{nearest}")
         return self.values[name]
 
     def inputs(self, component: Component, kept: Iterable[str]) -> np.ndarray | None:
-        """The columns that are inputs of the FMU with their time, as `Inputs` takes them; None where there are none.
+        """Returns the columns that are inputs of the FMU with their time, in the form that `Inputs` takes; None if there are none.
 
-        kept: names of columns that are something else. FmuError for inputs without a time.
+        kept: names of columns with another role. Raises FmuError for inputs without a time.
         """
         there = {structured(name) for name in component.numbers("input")}
         names = [name for name in self.values if name in there and name not in kept]
@@ -48,15 +48,15 @@ class Columns:
         return structured_array({"time": self.column("time"), **{name: self.values[name] for name in names}})
 
     def unused(self, component: Component, used: Iterable[str]) -> list[str]:
-        """The columns that nothing was done with, each with the input whose name is nearest."""
+        """Returns the columns that are not used, each with the input whose name is nearest."""
         there = component.numbers("input")
         others = [name for name in self.values if name not in {"time", *used}]
         return [f"{name}{did_you_mean(nearest_of(name, there)) if name not in component.by_name else ''}" for name in others]
 
 
 def columns_of(data: Data) -> Columns:
-    """The columns of a CSV file (a header of names, rows of numbers), a structured array, a DataFrame or a dict; SoftffdError where it is
-    none of these, where lengths differ, and for what is no finite number, with its row."""
+    """Returns the columns of a CSV file (a header of names, rows of numbers), a structured array, a DataFrame or a dict. Raises
+    SoftffdError for other data, for columns of different lengths, and for values that are no finite numbers, with the row."""
     if isinstance(data, str | Path):
         table = read_csv(Path(data), timed=False)
         return Columns(f"{data}: ", {structured(name): table[name] for name in table.dtype.names or ()})

@@ -1,4 +1,4 @@
-"""The parameters of a fit as coordinates of one scale: logarithms of positive ones, fractions of their range for those with two ends."""
+"""The parameters of a fit as coordinates of one scale: logarithms if they are positive, fractions of their range if it has two ends."""
 
 import math
 from collections.abc import Mapping
@@ -18,45 +18,45 @@ from softffd.spelling import few
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter that is fitted. Its coordinate is 1 at the start; 1 more is a factor e, or `scale`."""
+    """A fitted parameter. Its coordinate is 1 at the start. An increase by 1 multiplies the parameter by e, or adds `scale` to it."""
 
     name: str
     unit: str
     start: float
     least: float
-    most: float  # ends of its range, infinite where there are none
+    most: float  # ends of its range, infinite if there are none
 
     @property
     def positive(self) -> bool:
-        """Whether its coordinate is a logarithm."""
+        """True if the coordinate is a logarithm."""
         return self.least >= 0 and math.isinf(self.most)
 
     @property
     def scale(self) -> float:
-        """Of a coordinate that is no logarithm."""
+        """Change of the parameter per unit of a coordinate that is no logarithm."""
         return self.most - self.least if math.isfinite(self.most - self.least) else abs(self.start) or 1.0
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Of the coordinate."""
+        """Bounds of the coordinate."""
         if self.positive:
             return -math.inf, math.inf
         return 1 + (self.least - self.start) / self.scale, 1 + (self.most - self.start) / self.scale
 
     def value(self, coordinate: float) -> float:
-        """At a coordinate."""
+        """Returns the parameter's value at a coordinate."""
         if self.positive:
             return self.start * math.exp(min(coordinate - 1, 600.0))
         return min(max(self.start + self.scale * (coordinate - 1), self.least), self.most)
 
     def error(self, coordinate: float, error: float) -> float:
-        """The standard error of the parameter for that of its coordinate, to first order."""
+        """Returns the parameter's standard error from that of its coordinate, to first order."""
         return error * (self.value(coordinate) if self.positive else self.scale)
 
 
 def parameters_of(component: Component, vary: Mapping[str, Any]) -> list[Parameter]:
-    """The parameters that are to be fitted, with their starts, which are the FMU's where none is given. FmuError, which tells all that can
-    be fitted, for what is no fixed or tunable parameter, and for starts out of range."""
+    """Returns the parameters to be fitted with their start values, by default those of the FMU. Raises FmuError, which lists all
+    parameters that can be fitted, for anything but a fixed or tunable parameter, and FmuError for start values out of range."""
     if not vary:
         raise FmuError("vary: wanted at least one parameter, such as 'youngs_modulus', got none")
     found: dict[str, Parameter] = {}
@@ -104,5 +104,5 @@ def _not_fitted(component: Component, name: str, variable: ScalarVariable | None
 
 
 def values_of(parameters: list[Parameter], point: np.ndarray) -> dict[str, float]:
-    """The parameters' values at coordinates (n,)."""
+    """Returns the parameters' values at coordinates (n,)."""
     return {parameter.name: parameter.value(float(x)) for parameter, x in zip(parameters, point, strict=True)}

@@ -1,4 +1,4 @@
-"""What a fit gives: parameters with standard errors and correlations, what the data cannot tell apart, the curves; and its files."""
+"""The result of a fit: parameters with standard errors and correlations, parameters that the data do not show, curves; and its files."""
 
 import math
 from dataclasses import dataclass
@@ -16,27 +16,27 @@ class Fit:
     """Parameters from measured curves. Printed, it is a table."""
 
     values: dict[str, float]
-    """By the parameters' names"""
+    """Fitted values, by the parameters' names"""
     errors: dict[str, float]
     """Standard errors, for independent noise of one size; infinite for parameters that the data do not show"""
     correlations: np.ndarray
-    """(n, n) of the estimates; NaN where there is no standard error"""
+    """Correlations (n, n) of the estimates; NaN where there is no standard error"""
     undetermined: tuple[tuple[str, ...], ...]
-    """Parameters that cannot be told apart from these data, those of each such direction together; alone, one without effect"""
+    """Parameters that these data cannot distinguish, those of each such direction together; a parameter without effect stands alone"""
     deviation: float
-    """Standard deviation of the residuals, in the unit of what is matched"""
+    """Standard deviation of the residuals, in the unit of the matched variable"""
     warnings: tuple[str, ...]
-    """What a user should know before the numbers are used"""
+    """What a user should know before using the numbers"""
     curves: tuple[Curve, ...]
-    """Of each test"""
+    """Measured and fitted curve of each test"""
     units: dict[str, str]
-    """Of the parameters, by name"""
+    """Units of the parameters, by name"""
     starts: dict[str, float]
-    """Where the parameters began"""
+    """Start values of the parameters, by name"""
     runs: int
-    """How many were made"""
+    """Number of runs"""
     noise: float
-    """Of a run's curve, by its solver, in the unit of what is matched"""
+    """Noise that the solver causes in a run's curve, in the unit of the matched variable"""
 
     def __repr__(self) -> str:
         width = max(map(len, self.values))
@@ -63,16 +63,18 @@ class Fit:
 
     @property
     def rows(self) -> int:
-        """Of all data."""
+        """Number of rows of all data."""
         return sum(len(curve.measured) for curve in self.curves)
 
     def plot(self, file: str | Path | None = None) -> Any:
-        """A matplotlib Figure of data, fit and residuals, a column for each test; written where `file` says (.png, .svg, .pdf)."""
+        """Returns a matplotlib Figure of data, fit and residuals, a column for each test; written to `file` if given (.png, .svg,
+        .pdf)."""
         words = (f"{name} = {_with_error(value, self.errors[name])} {self._unit(name)}".rstrip() for name, value in self.values.items())
         return draw("\n".join(words), self.curves, file)
 
     def save(self, folder: str | Path) -> list[Path]:
-        """Writes fit.json (parameters), fit.csv (data and curves) and fit.png to a folder, each whole or not at all; returns the paths."""
+        """Writes fit.json (parameters), fit.csv (data and curves) and fit.png to a folder, each whole or not at all. Returns the
+        paths."""
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         files = [folder / name for name in FILES]
@@ -101,11 +103,11 @@ class Fit:
         return table_text(["test", self.curves[0].against, "measured", "fitted", "residual"], rows)
 
 
-FILES = ("fit.json", "fit.csv", "fit.png")  # of Fit.save
+FILES = ("fit.json", "fit.csv", "fit.png")  # files that Fit.save writes
 
 
 def _with_error(value: float, error: float) -> str:
-    """Both with the digits that the error leaves."""
+    """Returns value and error as text, with the digits that are significant beside the error."""
     if not math.isfinite(error):
         return f"{value:.4g} ± ?"
     digits = 6 if error <= 0 or value == 0 else min(12, max(2, 2 + math.floor(math.log10(abs(value) / error)))) if abs(value) > error else 2

@@ -1,1 +1,1 @@
-"""From a scene to an FMU, and an FMU opened."""
+"""Packages scenes as FMUs; opens and runs FMUs."""

@@ -1,4 +1,4 @@
-"""Why an FMU of this package lacks a variable: what its scene would have to say."""
+"""Why an FMU of this package lacks a variable: what its scene would have to contain."""
 
 from collections.abc import Collection
 from typing import Any
@@ -31,17 +31,16 @@ SCENE_NEEDS = {
     "energy_gravity": "[outputs] energy = true and [environment] gravity",
     "solver": "[outputs] solver = true",
     "error_estimate": "[solver] error_estimate = true",
-}  # by the part of a family (variables.toml), what brings its variables
-OF_VARIABLES = ("inputs", "outputs")  # sections of the scene whose keys choose variables of nearly their names
+}  # by the part of a family (variables.toml), the entry of the scene that creates its variables
+OF_VARIABLES = ("inputs", "outputs")  # sections of the scene whose keys select variables with nearly the same names
 
 
 def hint_for(name: str, there: Collection[str], choices: Collection[str] | None = None, *, own: bool = True) -> str:
-    """What follows "the FMU has no such variable": what the scene needs for it, else the nearest of `choices`, by default of all names.
-
-    there: the names of all variables. own: whether the FMU is of this package.
+    """Returns what follows "the FMU has no such variable": what the scene needs for it, else the nearest of `choices`, by default of all
+    names.
     """
     nearest = did_you_mean(nearest_of(name, there if choices is None else choices))
-    if not own or name in there:  # which is there, and not what is wanted
+    if not own or name in there:  # the variable exists, but is not what is wanted
         return nearest
     return _scene_needs(name, there) or (not nearest and _new_part(name)) or _scene_key(name, there) or nearest
 
@@ -53,14 +52,14 @@ def _scene_needs(name: str, there: Collection[str]) -> str:
         return ""
     others = [other for each in there if (other := parse_name(each))]
     if found and isinstance(found.instance, Part):
-        absent = any(other.instance == found.instance for other in others)  # else it is the part that is not there
+        absent = any(other.instance == found.instance for other in others)  # else the part itself is missing
     else:
-        absent = not any(other.family == row["key"] for other in others)  # else it is another control point or a wrong component
+        absent = not any(other.family == row["key"] for other in others)  # else other control points have one, or the component is wrong
     return f": its scene needs {needed} for it" if absent else ""
 
 
 def _row_of(name: str) -> dict[str, Any] | None:
-    """The family that a variable, a vector or the first words of a variable name."""
+    """Returns the family's row of the table for the name of a variable or a vector, or for the first words of a variable's name."""
     if found := parse_name(name) or parse_name(f"{name}.x"):
         return next(row for row in table()["family"] if row["key"] == found.family)
     return next((row for row in table()["family"] if row["name"].startswith((f"{name}.", f"{name}["))), None)
@@ -77,7 +76,7 @@ def _new_part(name: str) -> str:
 
 
 def _scene_key(name: str, there: Collection[str]) -> str:
-    from softffd.scene.keys import SceneKeys  # brings pydantic along, which those who have an FMU do without
+    from softffd.scene.keys import SceneKeys  # imports pydantic, which opening an FMU does not need
     from softffd.scene.section import Section
 
     for section, field in SceneKeys.model_fields.items():

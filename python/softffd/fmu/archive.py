@@ -1,4 +1,4 @@
-"""The zip archive of an FMU: how it is written, and what of it a run unpacks."""
+"""The zip archive of an FMU: writes it, and unpacks what a run needs."""
 
 import zlib
 from collections.abc import Mapping
@@ -10,15 +10,15 @@ from softffd.errors import FmuError, SoftffdError
 from softffd.files import replacing
 from softffd.installed import host_library, loaded_library
 
-LARGEST, MOST_TIMES = 1e9, 100  # so many bytes any FMU may unpack to, a larger one so many times its own size
+LARGEST, MOST_TIMES = 1e9, 100  # most bytes that any FMU may unpack to; a larger FMU may unpack to this many times its own size
 NEW_YEAR_2020 = (2020, 1, 1, 0, 0, 0)
 UNIX, MODE = 3, 0o644 << 16
 ELF = {0x3E: "x86_64", 0xB7: "aarch64"}  # processors by their numbers in ELF files
 
 
 def write_archive(path: Path, entries: Mapping[str, bytes]) -> None:
-    """Writes the entries by name, modelDescription.xml first, the others sorted. Time stamps and modes are fixed, so that the same entries
-    give the same bytes. path: its folder is made where it is missing."""
+    """Writes the entries by name, modelDescription.xml first, the others sorted. Time stamps and modes are fixed, so that the same
+    entries give the same bytes. path: its folder is made if missing."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as stream, ZipFile(stream, "w") as archive:
         for name in sorted(entries, key=lambda name: (name != "modelDescription.xml", name)):
@@ -28,9 +28,9 @@ def write_archive(path: Path, entries: Mapping[str, bytes]) -> None:
 
 
 def unpack(path: Path, folder: str) -> str | None:
-    """Unpacks what a run reads: no documentation, no terminals, no libraries of other platforms. Returns the path of the installed library
-    where the FMU has the same one, which is not unpacked then: that and loading it again would take longer than a thousand communication
-    steps."""
+    """Unpacks what a run reads: no documentation, no terminals, no libraries of other platforms. If the FMU contains the installed
+    library, returns the path of the installed one and does not unpack the other: unpacking and loading it again would take longer than a
+    thousand communication steps."""
     import fmpy
 
     with ZipFile(path) as archive:
@@ -41,7 +41,7 @@ def unpack(path: Path, folder: str) -> str | None:
 
 
 def require_no_bomb(archive: ZipFile, packed: int) -> None:
-    """FmuError for a small file whose entries would fill the disk. zipfile writes no more of an entry than the size that it states."""
+    """Raises FmuError for a small file whose entries would fill the disk. zipfile writes no more of an entry than its stated size."""
     size = sum(entry.file_size for entry in archive.infolist() if _is_read(entry.filename))
     if size > max(LARGEST, MOST_TIMES * packed):
         raise FmuError(
@@ -56,14 +56,15 @@ def _is_read(name: str) -> bool:
 
 
 def _is_installed(entry: ZipInfo) -> bool:
-    """Whether it is this platform's library, and the installed one by what the archive's directory says of its content."""
+    """True if the entry is a library of this platform with name, checksum and size (in the archive's directory) of the installed one."""
     room, _, rest = entry.filename.partition("/")
     platform, _, name = rest.partition("/")
     return room == "binaries" and platform in platforms() and (name, entry.CRC, entry.file_size) == _installed()
 
 
 def of_another_machine(folder: Path, identifier: str) -> str | None:
-    """What to say where an unpacked FMU has a Linux library of another processor, of which the system says that it is not there."""
+    """Returns an explanation if an unpacked FMU has a Linux library for another processor, which the system reports as missing; else
+    None."""
     own = platforms()[1]
     for file in folder.glob(f"binaries/*/{identifier}.so"):
         with file.open("rb") as stream:
@@ -75,23 +76,24 @@ def of_another_machine(folder: Path, identifier: str) -> str | None:
 
 
 def library_in_tuple(folder: Path, identifier: str, *, three: bool) -> str | None:
-    """The library of an unpacked FMU where FMI 3.0 puts it, and FMI 2.0.4 where the machine is not an x86; None where there is none."""
+    """Returns an unpacked FMU's library in the folder of FMI 3.0, which FMI 2.0.4 has too if the machine is not an x86; None if there is
+    none."""
     own = platforms()[1]
-    if not three and own.startswith("x86"):  # for which FMI 2.0 has names of its own
+    if not three and own.startswith("x86"):  # FMI 2.0 has its own names for x86 platforms
         return None
     return next(map(str, folder.glob(f"binaries/{own}/{identifier}.*")), None)
 
 
 def platforms() -> tuple[str, str]:
-    """What FMI 2.0 and 3.0 call this machine."""
-    import fmpy  # brings much along, which those who write an archive do without
+    """Returns the names of this machine in FMI 2.0 and in FMI 3.0."""
+    import fmpy  # imports much that writing an archive does not need
 
     return fmpy.platform, fmpy.platform_tuple
 
 
 @cache
 def _installed() -> tuple[str, int, int] | None:
-    """Name, CRC-32 and size [bytes] of the installed library; None where there is none for this machine."""
+    """Returns name, CRC-32 and size [bytes] of the installed library; None if there is none for this machine."""
     try:
         library = host_library()
     except SoftffdError:

@@ -1,4 +1,4 @@
-"""Variables that are set or got together, and the numbers that stand for what a user gives."""
+"""Variables that are set or got together, and the conversion of a user's values to numbers."""
 
 from collections.abc import Callable, Mapping, Sequence
 from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_uint
@@ -14,19 +14,19 @@ from softffd.spelling import did_you_mean, nearest_of, number_in, wanted_one_of
 KINDS: dict[str, tuple[Any, Any]] = {
     "Real": (np.float64, c_double), "Integer": (np.int32, c_int), "Boolean": (np.int32, c_int), "String": (object, c_char_p),
 }  # fmt: skip
-"""Kinds of variables: what numpy and C hold their values in"""
-TRUTHS = {"true": 1, "1": 1, "false": 0, "0": 0}  # what a Boolean may be given as, in words
+"""Kinds of variables, with the numpy type and the C type of their values"""
+TRUTHS = {"true": 1, "1": 1, "false": 0, "0": 0}  # words that are accepted for a Boolean
 
 
-Calls = Mapping[str, Callable[..., None]]  # an instance's functions of the standard, by their names
+Calls = Mapping[str, Callable[..., None]]  # an instance's functions of the standard, by name
 
 
 class Block:
-    """Variables of one kind that are set or got together; `values` is the buffer (m,) that the library reads from and writes to: numbers,
-    of Booleans 0 or 1. Of Strings it is a copy."""
+    """Variables of one kind that are set or got together. `values` is the buffer (m,) that the library reads from and writes to; a
+    Boolean is 0 or 1 in it. For Strings `values` is a copy."""
 
     def __init__(self, calls: Calls, variables: Sequence[ScalarVariable]):
-        """variables: all of one kind; FmuError otherwise."""
+        """variables: all of one kind; raises FmuError otherwise."""
         self.names = tuple(variable.name for variable in variables)
         self.kind = variables[0].kind if variables else "Real"
         if mixed := next((v for v in variables if v.kind != self.kind), None):
@@ -44,7 +44,7 @@ class Block:
         return f"Block of {len(self.names)} {what}: {listed(self.names)}"
 
     def get(self) -> np.ndarray:
-        """Fills `values` from the component and returns it: the kept buffer, which the next call changes."""
+        """Fills `values` from the component and returns `values`, the block's own buffer, which the next call overwrites."""
         if self.names:
             self._calls[f"fmi2Get{self.kind}"](self.references, self.count, self.pointer)
         if self.kind == "String":
@@ -52,8 +52,8 @@ class Block:
         return self.values
 
     def set(self, values: Any = None) -> None:
-        """Hands `values` to the component; values (m,): to be put there before. FmuError for outputs, for what the component refuses, and
-        for numbers that are no whole ones where integers are wanted."""
+        """Passes `values` to the component. values (m,): copied into the buffer before. Raises FmuError for outputs, for values that the
+        component refuses, and for fractions where integers are wanted."""
         if self._output:
             raise FmuError(f"{self._output}: wanted an input or a parameter, got an output")
         if values is not None:
@@ -72,10 +72,10 @@ class Block:
                 raise FmuError(f"{name}: wanted {wanted}, got {value:.10g}")
 
     def set_rates(self, rates: Any) -> None:
-        """Time derivatives of these m Real inputs; they hold for the next step only.
+        """Sets the time derivatives of these m Real inputs, which hold for the next step only.
 
         rates: (m,) of first order [unit / s], or (n, m) of orders 1 to n [unit / s^order]; zeros of higher orders are not sent.
-        FmuError for an FMU that does not interpolate its inputs, or not to this order.
+        Raises FmuError if the FMU does not interpolate its inputs, or not to this order.
         """
         rates = np.atleast_2d(np.asarray(rates, dtype=float))
         sent = rates != 0
@@ -88,17 +88,17 @@ class Block:
 
 
 class Blocks:
-    """Variables of any kinds as one row of numbers: a block of each kind."""
+    """Variables of any kinds as one row of numbers, in a block for each kind."""
 
     def __init__(self, calls: Calls, variables: Sequence[ScalarVariable]):
         self.names = tuple(variable.name for variable in variables)
         self.values = np.zeros(len(variables))
         kinds = {kind: [n for n, v in enumerate(variables) if v.kind == kind] for kind in dict.fromkeys(v.kind for v in variables)}
         self._blocks = [(Block(calls, [variables[n] for n in places]), places) for places in kinds.values()]
-        self.real = Block(calls, variables) if set(kinds) <= {"Real"} else None  # all of them in one block, where all are Reals
+        self.real = Block(calls, variables) if set(kinds) <= {"Real"} else None  # one block of all variables if all are Reals, else None
 
     def set(self, values: np.ndarray) -> None:
-        """values (m,): are handed to the component."""
+        """Passes values (m,) to the component."""
         self.values[:] = values
         for block, places in self._blocks:
             block.set(self.values[places])
@@ -108,7 +108,7 @@ _RANGE = (np.iinfo(np.int32).min, np.iinfo(np.int32).max)
 
 
 def one_number(what: str, value: Any) -> float:
-    """A number that is given; FmuError for an array, text and other things."""
+    """Returns the value as a number. Raises FmuError for an array, text and anything else."""
     try:
         if np.ndim(value) == 0 and not isinstance(value, str | bytes):
             return float(value)
@@ -118,8 +118,8 @@ def one_number(what: str, value: Any) -> float:
 
 
 def number_of(variable: ScalarVariable, value: Any) -> Any:
-    """The value that a block takes for what a user gives: a number, of a Boolean 0 or 1, of an enumeration's names the number that stands
-    for it, of a String its text. FmuError says what was wanted; an integer must be a whole number."""
+    """Returns the value that a block takes for a user's value: a number, 0 or 1 for a Boolean, the number of a name of an enumeration, or
+    the text of a String. An integer must be a whole number. Raises FmuError that says what was wanted."""
     if variable.kind == "String":
         if not isinstance(value, str):
             raise FmuError(f"{variable.name}: wanted text, got {value!r:.70}")

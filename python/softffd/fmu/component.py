@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 
 class Component(Instance):
-    """One instance of one FMU. Use as a context manager; every failing call raises FmuError with the component's own message.
+    """One instance of one FMU, a context manager. Every failing call raises FmuError with the component's own message.
 
     source: the path of an FMU; or a scene, whose FMU is written unpacked and whose library is the installed one.
-    running: without it the description and the resources are read and nothing of the FMU is run: there is no instance to call.
-    One that nobody closes is freed with the last reference to it.
+    running: if False, only the description and the resources are read; nothing of the FMU is run, and there is no instance to call.
+    A component that is not closed is freed with its last reference.
     """
 
     def __init__(self, source: Scene | str | Path, *, running: bool = True):
@@ -45,14 +45,14 @@ class Component(Instance):
 
     def _open(self, source: Scene | str | Path, running: bool) -> None:
         library = self._unpack(Path(source)) if isinstance(source, str | Path) else self._write(source)
-        self.lattice: LatticeBox | None = self.resources.lattice  # of an FMU of this package; so are these:
+        self.lattice: LatticeBox | None = self.resources.lattice  # only FMUs of this package have these three
         self.obstacles, self.taxels = self.resources.obstacles(), self.resources.taxels()
         if running:
             self._instantiate(self.interface, self._folder, library, self._name)
 
     def _unpack(self, path: Path) -> str | None:
-        """Unpacks and reads an FMU; returns the path of its library where that is not where FMI 2.0 says: the installed one if it is the
-        same."""
+        """Unpacks and reads an FMU. Returns the path of its library if this is not where FMI 2.0 puts it: the path of the installed
+        library if the FMU has the same one."""
         self._name = str(path)
         try:
             library = unpack(path, self._folder)
@@ -69,7 +69,7 @@ class Component(Instance):
 
     def _write(self, scene: Scene) -> str:
         """Writes a scene's FMU unpacked and returns the path of the library, which stays where it is installed."""
-        from softffd.fmu.package import write_folder  # brings pydantic along, which those who have an FMU do without
+        from softffd.fmu.package import write_folder  # imports pydantic, which opening an FMU does not need
 
         self.interface = write_folder(scene, Path(self._folder))
         self._name = scene.name
@@ -77,19 +77,19 @@ class Component(Instance):
 
     @cached_property
     def description(self) -> Any:
-        """fmpy's reading of the modelDescription.xml."""
+        """The modelDescription.xml as fmpy reads it."""
         import fmpy
 
         return fmpy.read_model_description(self._folder, validate=False)
 
     @cached_property
     def resources(self) -> Resources:
-        """What an FMU of this package says of itself."""
+        """The scene file in the FMU's resources; empty for an FMU of another program."""
         return Resources(Path(self._folder) / "resources")
 
     @cached_property
     def notes(self) -> list[str]:
-        """What a user should know of the body; none in an FMU that is not of this package."""
+        """Notes for the user on the body; none for an FMU of another program."""
         return list(read_notes(Path(self._folder) / "resources"))
 
     # ---- variables ----
@@ -100,39 +100,40 @@ class Component(Instance):
         return self.interface.variables
 
     def variables(self, causality: str, kind: str = "Real") -> list[ScalarVariable]:
-        """The variables of a causality and a kind: "Real", "Integer", "Boolean" or "String"."""
+        """Returns the variables of a causality and a kind: "Real", "Integer", "Boolean" or "String"."""
         return [v for v in self.by_name.values() if v.causality == causality and v.kind == kind]
 
     def numbers(self, causality: str) -> list[str]:
-        """The names of the variables of a causality that are numbers."""
+        """Returns the names of the variables of a causality that are numbers."""
         return [v.name for v in self.by_name.values() if v.causality == causality and v.kind != "String"]
 
     def variable(self, name: str) -> ScalarVariable:
-        """The variable of this name; FmuError with the nearest spelling otherwise."""
+        """Returns the variable of this name. Raises FmuError, with the nearest spelling, if there is none."""
         if name not in self.by_name:
             raise UnknownName(f"{name}: the FMU has no such variable{self.hint(str(name))}")
         return self.by_name[name]
 
     def hint(self, name: str, choices: Collection[str] | None = None) -> str:
-        """What to say of a name that is not there: what the scene needs for it, else the nearest of the choices, by default of all."""
+        """Returns the hint for a name that does not exist: what the scene needs for it, else the nearest of the choices, by default of
+        all names."""
         return hint_for(name, self.by_name, choices, own=self.lattice is not None)
 
     def block(self, names: Sequence[str]) -> Block:
-        """A block of the named variables; FmuError with the nearest spelling for an unknown name."""
+        """Returns a block of the named variables. Raises FmuError, with the nearest spelling, for an unknown name."""
         return self.block_of([self.variable(name) for name in names])
 
     def block_of(self, variables: Sequence[ScalarVariable]) -> Block:
-        """A block of variables of this component."""
+        """Returns a block of variables of this component."""
         return Block(self.calls, variables)
 
     def set_start_values(self, values: Mapping[str, Any]) -> None:
-        """Sets variables by name; numbers, or names where the values have names."""
+        """Sets variables by name. A value is a number, or a name if the variable's values have names."""
         for name, value in values.items():
             variable = self.variable(name)
             self.block_of([variable]).set([number_of(variable, value)])
 
     def initialize(self, start_values: Mapping[str, Any], *, start_time: float = 0.0) -> None:
-        """From instantiated to ready for a step, with start values (by name) set before."""
+        """Sets start values (by name) and enters initialization mode. start_time: [s]."""
         self.set_start_values(start_values)
         self.set_up(start_time=start_time)
 

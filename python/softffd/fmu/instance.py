@@ -1,4 +1,4 @@
-"""An instance of an FMU's library: its functions with kept buffers, its states, its messages, its end. fmpy loads it."""
+"""An instance of an FMU's library, which fmpy loads: its functions, its saved states, its messages, and how it is freed."""
 
 import hashlib
 import weakref
@@ -24,7 +24,7 @@ CALLS = (
 
 
 class Message(NamedTuple):
-    """What a component said; its text is its str."""
+    """A message of a component; its str is its text."""
 
     status: int
     """fmi2Status: 0 ok, 1 warning, 2 discard, 3 error, 4 fatal"""
@@ -37,23 +37,25 @@ class Message(NamedTuple):
 
 
 class Instance:
-    """One instance; every failing call raises FmuError with its own message. One that nobody closes is freed with the last reference."""
+    """One instance. Every failing call raises FmuError with the instance's own message. An unclosed instance is freed with its last
+    reference."""
 
     def __init__(self) -> None:
-        self.messages: list[Message] = []  # what it has said since it was opened; may be cleared
-        self.listener: Callable[[Message], object] | None = None  # is called with every message
+        self.messages: list[Message] = []  # messages since the instance was opened; may be cleared
+        self.listener: Callable[[Message], object] | None = None  # called with every message
         self.calls = dict.fromkeys(CALLS, _refused("there is no instance to call"))
-        """The functions of the standard, bound to the instance; one that the FMU does not have answers with FmuError"""
+        """The functions of the standard, bound to the instance; a function that the FMU does not have raises FmuError"""
         self._states: set[int] = set()
         self._slave: Any = None
 
     def _instantiate(self, interface: Interface, folder: str, library: str | None, file: str) -> None:
-        """folder: of the unpacked FMU. library: its path, where that is not where FMI 2.0 says. file: what messages call the FMU."""
-        from fmpy.fmi2 import FMU2Slave  # takes a sixth of a second, which those who have a scene and run nothing do without
+        """Loads and instantiates. folder: of the unpacked FMU. library: its path, if not where FMI 2.0 puts it. file: the FMU's name in
+        messages."""
+        from fmpy.fmi2 import FMU2Slave  # takes a sixth of a second, which is saved if nothing is run
 
         self._callbacks = self._make_callbacks()
         try:
-            with chdir(Path.cwd()):  # which fmpy leaves, and returns to where it could load the library only
+            with chdir(Path.cwd()):  # fmpy changes the folder, and changes back only if it could load the library
                 slave = FMU2Slave(
                     guid=interface.guid, unzipDirectory=folder, modelIdentifier=interface.identifier, instanceName=interface.name,
                     libraryPath=library,
@@ -68,7 +70,7 @@ class Instance:
             raise FmuError(f"{file}: {self._last_message() or error}") from error
         self._slave, self._library = slave, slave.dll
         self._end = weakref.finalize(self, _freed, slave, self._states, self._callbacks)
-        self._end.atexit = False  # the end of the process takes all
+        self._end.atexit = False  # at the end of the process the system frees everything
         instance = c_void_p(slave.component)
         self.calls.update({name: _bound(getattr(slave.dll, name), instance, self.check) for name in CALLS})
         self.calls.update({name: _refused(f"{interface.name}: this FMU {why}") for name, why in _missing(interface).items()})
@@ -77,7 +79,7 @@ class Instance:
         from fmpy import calloc, fmi2, free
 
         callbacks = fmi2.fmi2CallbackFunctions()
-        me = weakref.ref(self)  # the library's last words may come when there is nobody to hear them
+        me = weakref.ref(self)  # the library may send its last messages after this object is gone
 
         def note(_environment: Any, _instance: Any, status: int, category: bytes | None, text: bytes) -> None:
             if (instance := me()) is None:
@@ -105,11 +107,11 @@ class Instance:
         return hashlib.sha256(Path(self._library._name).read_bytes()).hexdigest()
 
     def address(self, call: str) -> int | None:
-        """Of a function of the component's library."""
+        """Returns the address of a function of the component's library."""
         return cast(getattr(self._library, call), c_void_p).value
 
     def check(self, status: int) -> None:
-        """FmuError with the component's words for the fmi2Status of a call that discarded or failed."""
+        """Raises FmuError with the component's last message if the fmi2Status of a call says that the call discarded or failed."""
         if status == FATAL:
             self._abandon()
         if status >= DISCARD:
@@ -117,7 +119,8 @@ class Instance:
             raise FmuError(f"the component {word}: {self._last_message() or 'no message'}")
 
     def _abandon(self) -> None:
-        """After fmi2Fatal no call is allowed, not even to free the instance (FMI 2.0.4, section 2.1.3): pythonfmu's would free twice."""
+        """Keeps the instance unfreed: after fmi2Fatal no call is allowed, not even to free it (FMI 2.0.4, section 2.1.3); pythonfmu would
+        free twice."""
         self._end.detach()
         _ABANDONED.append((self._slave, self._callbacks))
         self._slave = None
@@ -125,7 +128,7 @@ class Instance:
         self._answer_with("the component has failed for good in an earlier call: open it again")
 
     def set_up(self, *, start_time: float = 0.0, stop_time: float | None = None, tolerance: float | None = None) -> None:
-        """fmi2SetupExperiment and fmi2EnterInitializationMode. tolerance: relative to the box's largest side."""
+        """Calls fmi2SetupExperiment and fmi2EnterInitializationMode. tolerance: relative to the box's largest side."""
         tolerance_defined, stop_time_defined = c_int(tolerance is not None), c_int(stop_time is not None)
         self.calls["fmi2SetupExperiment"](
             tolerance_defined, c_double(tolerance or 0.0), c_double(start_time), stop_time_defined, c_double(stop_time or 0.0)
@@ -133,25 +136,25 @@ class Instance:
         self.calls["fmi2EnterInitializationMode"]()
 
     def exit_initialization(self) -> None:
-        """fmi2ExitInitializationMode."""
+        """Calls fmi2ExitInitializationMode."""
         self.calls["fmi2ExitInitializationMode"]()
 
     def do_step(self, time: float, step: float) -> None:
-        """One communication step [s]."""
+        """Makes one communication step from `time` to `time` + `step` [s]."""
         self.calls["fmi2DoStep"](c_double(time), c_double(step), c_int(1))
 
     def reset(self) -> None:
-        """fmi2Reset: as right after opening."""
+        """Calls fmi2Reset, after which the instance is as right after opening."""
         self.calls["fmi2Reset"]()
 
     def warnings(self) -> list[str]:
-        """What the component warned of so far."""
+        """Returns the texts of all messages so far that are warnings or errors."""
         return [message.text for message in self.messages if message.status >= WARNING]
 
     # ---- states ----
 
     def get_state(self) -> int:
-        """A handle of the FMU's state of this moment; `free_state` or closing the component frees it."""
+        """Returns a handle of a snapshot of the FMU's present state; `free_state`, or closing the component, frees the snapshot."""
         state = c_void_p()
         self.calls["fmi2GetFMUstate"](byref(state))
         return self._kept(state)
@@ -162,19 +165,19 @@ class Instance:
         return state.value
 
     def set_state(self, handle: int) -> None:
-        """Back to the moment of a state of this component."""
+        """Restores a state of this component. Raises FmuError if the state was freed or belongs to another component."""
         if handle not in self._states:
             raise FmuError("the state was freed, or belongs to another component")
         self.calls["fmi2SetFMUstate"](c_void_p(handle))
 
     def free_state(self, handle: int) -> None:
-        """Frees a state; one that is freed already is passed over."""
+        """Frees a state; a state that is already freed is ignored."""
         if handle in self._states:
             self._states.remove(handle)
             self.calls["fmi2FreeFMUstate"](byref(c_void_p(handle)))
 
     def state_bytes(self, handle: int) -> bytes:
-        """A state as bytes that any component of the same scene takes, in another process too."""
+        """Returns a state as bytes that any component of the same scene accepts, in another process too."""
         if handle not in self._states:
             raise FmuError("the state was freed, or belongs to another component")
         size = c_size_t()
@@ -184,7 +187,7 @@ class Instance:
         return data.raw
 
     def state_from(self, data: bytes) -> int:
-        """The handle of a state from its bytes; FmuError for bytes that are damaged or of another scene."""
+        """Returns the handle of a state made from its bytes. Raises FmuError for bytes that are damaged or of another scene."""
         state = c_void_p()
         buffer = create_string_buffer(data, len(data))
         self.calls["fmi2DeSerializeFMUstate"](buffer, c_size_t(len(data)), byref(state))
@@ -212,7 +215,7 @@ class Instance:
 
 
 def _freed(slave: Any, states: set[int], _callbacks: Any) -> None:
-    """Frees states and instance. _callbacks: are kept for the library until then."""
+    """Frees the states and the instance. _callbacks: kept alive for the library until then."""
     while states:
         slave.dll.fmi2FreeFMUstate(c_void_p(slave.component), byref(c_void_p(states.pop())))
     slave.freeInstance()
@@ -230,7 +233,7 @@ def _refused(words: str) -> Callable[..., None]:
 
 
 def _missing(interface: Interface) -> dict[str, str]:
-    """The functions that an FMU does not have by its description, and what to say of them."""
+    """Returns the functions that an FMU does not have according to its description, with the words of the error for each."""
     return {
         **({} if interface.interpolates else {RATES: "does not interpolate its inputs; hold them over each step instead"}),
         **({} if interface.saves else {"fmi2GetFMUstate": "cannot save and restore its state"}),

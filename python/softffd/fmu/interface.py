@@ -1,7 +1,7 @@
 """What an FMU offers its host: its name and guid, its variables, its default experiment.
 
-A host of this package speaks of variables as FMI 2.0 has them: the elements stand in the place of the arrays of FMI 3.0. The library
-answers to both standards whatever the description says.
+A host of this package uses the variables of FMI 2.0, in which scalar elements take the place of the arrays of FMI 3.0. The library
+supports both standards, whatever the description says.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 IDENTIFIER = "softffd"  # modelIdentifier of this package's FMUs
 TIME = 0  # value reference of the independent variable of FMI 3.0; no family has the id 0
-TYPES3 = {"Real": "Float64", "Integer": "Int64"}  # what FMI 3.0 calls a type of the table
+TYPES3 = {"Real": "Float64", "Integer": "Int64"}  # FMI 3.0 names of the types of the table
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,17 +29,18 @@ class ScalarVariable:
 
     name: str
     reference: int  # its value reference
-    type: str  # "Real", "Integer"; of other programs' FMUs, and of older ones, "Enumeration", "Boolean" or "String" too
+    type: str  # "Real" or "Integer"; in FMUs of other programs, and in older ones, also "Enumeration", "Boolean" or "String"
     causality: str  # "input", "output", "parameter", ...
     variability: str  # "fixed", "tunable", "continuous", "discrete", ...
     start: float | int | str | None
     unit: str | None
     description: str
-    items: dict[str, int] | None = None  # its values by their names, where they have names: of solver.method, and of enumerations
+    items: dict[str, int] | None = None  # numbers of its values by name, if its values have names: of solver.method, and of enumerations
 
     @property
     def kind(self) -> str:
-        """ "Real", "Integer", "Boolean" or "String": whose calls get and set it. Value references are unique within a kind only."""
+        """ "Real", "Integer", "Boolean" or "String", whose calls get and set the variable. Value references are unique within a kind
+        only."""
         return "Integer" if self.type == "Enumeration" else self.type
 
 
@@ -48,20 +49,20 @@ class Interface:
     """The part of a model description that a run needs."""
 
     name: str  # modelName
-    title: str  # its description, else its name
+    title: str  # the model's description, else its name
     identifier: str  # modelIdentifier: the library's name
     guid: str
     variables: ByName[ScalarVariable]  # by name, in the description's order
     flat: bool  # whether its names are flat (softffd.names)
     stop_time: float | None  # of the default experiment [s]
     step: float | None  # its communication step [s]
-    interpolates: bool = True  # whether derivatives of inputs are taken
+    interpolates: bool = True  # whether the FMU accepts derivatives of inputs
     saves: bool = True  # whether states can be got and set
     serializes: bool = True  # whether states can be turned into bytes and back
 
 
 def scene_interface(scene: Scene, variables: Iterable[Variable], guid: str) -> Interface:
-    """The interface of a scene's FMU, without a look at its XML."""
+    """Returns the interface of a scene's FMU, without reading its XML."""
     flat = scene.fmu.names == "flat"
     listed = ByName({element.name: element for variable in variables for element in elements(variable, flat=flat)})
     experiment = scene.experiment
@@ -69,7 +70,7 @@ def scene_interface(scene: Scene, variables: Iterable[Variable], guid: str) -> I
 
 
 def elements(variable: Variable, *, flat: bool = False) -> Iterator[ScalarVariable]:
-    """The elements of a scene's variable, each as a scalar variable. flat: the form of their names."""
+    """Yields the elements of a scene's variable as scalar variables. flat: the form of their names."""
     family, starts = variable.family, variable.start or (None,)
     for n, (name, description) in enumerate(variable.elements(flat=flat)):
         yield ScalarVariable(
@@ -79,8 +80,8 @@ def elements(variable: Variable, *, flat: bool = False) -> Iterator[ScalarVariab
 
 
 def read_interface(description: Any, resources: Resources | None = None) -> Interface:
-    """The interface from fmpy's reading of a modelDescription.xml: of a co-simulation FMU of FMI 2.0, or of one of this package of FMI 3.0,
-    whose `resources` tell the control points of its arrays."""
+    """Returns the interface from a modelDescription.xml that fmpy has read: of a co-simulation FMU of FMI 2.0, or of an FMU of this
+    package for FMI 3.0, whose `resources` list the control points of its arrays."""
     simulation, experiment, three = description.coSimulation, description.defaultExperiment, description.fmiVersion.startswith("3.")
     own = simulation.modelIdentifier == IDENTIFIER
     flat = own and description.variableNamingConvention == "flat"
@@ -115,7 +116,8 @@ def _declared(variable: Any, own: bool) -> ScalarVariable:
 
 
 def _elements_of(array: Any, resources: Resources, *, flat: bool) -> list[ScalarVariable]:
-    """In the order of their value references, which for control points is that of the scene's list and not of the array."""
+    """Returns the elements of an array in the order of their value references: for control points the order of the scene's list, not the
+    array's."""
     family = next(family for family in table()["family"] if family["id"] == array.valueReference >> 24)
     if family["part"] in OF_POINTS:
         names = variable_names(family["key"], resources.points(family["part"]), flat=flat)

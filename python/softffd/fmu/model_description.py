@@ -1,4 +1,4 @@
-"""modelDescription.xml of a scene's FMU: of FMI 2.0, which lists the elements of the variables, and of FMI 3.0 (co-simulation)."""
+"""modelDescription.xml of a scene's FMU: for FMI 2.0, which lists the elements of the variables, and for FMI 3.0 (co-simulation)."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from softffd.installed import data_folder, table
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
-GUID_PLACE = "{softffd-guid}"  # stands where the guid goes; the guid is a hash of everything else but the date
-DATE_PLACE = "{softffd-date}"  # stands where the date goes
+GUID_PLACE = "{softffd-guid}"  # placeholder of the guid, which is a hash of everything else but the date
+DATE_PLACE = "{softffd-date}"  # placeholder of the date
 AUTHOR: Final = "the softffd authors"
 COPYRIGHT: Final = f"Copyright (c) 2026, {AUTHOR}"  # as the licence says it
 LAST: Final = 253402300799  # the last second of the year 9999
@@ -37,9 +37,10 @@ _ESCAPES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;",
 
 
 def model_description(scene: Scene, variables: Sequence[Variable]) -> str:
-    """The XML text for FMI 2.0 with GUID_PLACE in the place of the guid and DATE_PLACE in that of the date.
+    """Returns the XML text for FMI 2.0, with GUID_PLACE in the place of the guid and DATE_PLACE in the place of the date.
 
-    A large lattice has a hundred thousand elements: each is written as one line of text, and as little of it as the standard allows.
+    A large lattice has a hundred thousand elements, so each element is written as one line of text, with as little as the standard
+    allows.
     """
     root = _head(scene, {"fmiVersion": "2.0", "guid": GUID_PLACE}, SIMULATION, {variable.family.get("unit") for variable in variables})
     begin, end = xml_text(root).rsplit("</", 1)
@@ -71,7 +72,7 @@ def _structure(variables: Sequence[Variable]) -> Iterator[str]:
 
 
 def model_description3(scene: Scene, variables: Sequence[Variable]) -> str:
-    """The XML text for FMI 3.0, with GUID_PLACE in the place of the instantiation token."""
+    """Returns the XML text for FMI 3.0, with GUID_PLACE in the place of the instantiation token."""
     units = {"s", *(variable.family.get("unit") for variable in variables)}
     identity = {"fmiVersion": "3.0", "instantiationToken": GUID_PLACE}
     root = _head(scene, identity, SIMULATION3, units, leave_out={"logStatusPending"})
@@ -93,15 +94,16 @@ def model_description3(scene: Scene, variables: Sequence[Variable]) -> str:
 
 
 def completed(description: str, guid: str) -> str:
-    """The text with its guid, and with the time of the sources: states go from one installation to another whatever their dates."""
+    """Returns the text with its guid and the time of the sources. The date is no part of the guid, so that installations can exchange
+    states."""
     return description.replace(GUID_PLACE, guid).replace(DATE_PLACE, generation_time())
 
 
 def generation_time() -> str:
-    """The time of the sources, as xs:dateTime: the same scene gives the same FMU whenever it is made.
+    """Returns the time of the sources, as xs:dateTime: the same scene gives the same FMU whenever it is made.
 
-    It is that of SOURCE_DATE_EPOCH where the environment has it, else of the newest file that the installation puts into FMUs.
-    SoftffdError where SOURCE_DATE_EPOCH is no number of seconds.
+    The time is SOURCE_DATE_EPOCH if the environment has it, else that of the newest file that the installation puts into FMUs. Raises
+    SoftffdError if SOURCE_DATE_EPOCH is not a number of seconds.
     """
     given = os.environ.get("SOURCE_DATE_EPOCH")
     if given is None:
@@ -114,29 +116,31 @@ def generation_time() -> str:
 
 
 def xml_text(root: Xml.Element) -> str:
-    """The document."""
+    """Returns the document as indented text."""
     Xml.indent(root, space="  ")
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + Xml.tostring(root, encoding="unicode") + "\n"
 
 
 def _quoted(text: str) -> str:
-    """An attribute's value as it stands in XML. The standard library's own way to write it loads 40 modules, the web's among them."""
+    """Returns an attribute's value quoted for XML. The standard library's function for this loads 40 modules, those of the web among
+    them."""
     return f'"{text.translate(_ESCAPES)}"'
 
 
 def _attributes_text(attributes: Mapping[str, str]) -> str:
-    """As they stand in an element, with a space before each."""
+    """Returns the attributes as text of an element, with a space before each."""
     return "".join(f" {name}={_quoted(value)}" for name, value in attributes.items())
 
 
 def _causality(variable: Variable) -> dict[str, str]:
-    """Attributes of how it is used: without those that have the standards' default values, as `initial` of all outputs and parameters."""
+    """Returns the attributes `causality` and `variability`. Attributes with the standards' default values are left out, such as `initial`
+    of all outputs and parameters."""
     causality, variability = variable.family["causality"], variable.family["variability"]
     return {"causality": causality} | ({} if variability == "continuous" else {"variability": variability})
 
 
 def _its_values(variable: Variable, start: Sequence[float | int]) -> dict[str, str]:
-    """Attributes of its type: unit, bounds, usual size and start values, which may be none."""
+    """Returns the attributes of the variable's type: unit, bounds, nominal value and start values. start: may be empty."""
     family, attributes = variable.family, {}
     if "unit" in family:
         attributes["unit"] = family["unit"]
@@ -153,9 +157,10 @@ def _its_values(variable: Variable, start: Sequence[float | int]) -> dict[str, s
 
 
 def _dependencies(variables: Sequence[Variable], numbers: Sequence[Sequence[int]]) -> list[tuple[str, str]]:
-    """For every output its number, and the numbers of what its initial value depends on. numbers: of each variable, one or one an element.
+    """Returns for every output its number, and the numbers of the variables on which its initial value depends.
 
-    Outputs do not depend on inputs of the same moment: they act during the step that follows. Initially some do.
+    numbers: of each variable, one or one for each element. Outputs do not depend on inputs of the same moment, which act during the step
+    that follows. Some initial values of outputs do depend on inputs.
     """
     by_family: dict[str, list[int]] = {}
     rows: dict[str, dict[str, Any]] = {}
@@ -174,10 +179,10 @@ def _dependencies(variables: Sequence[Variable], numbers: Sequence[Sequence[int]
 def _head(
     scene: Scene, identity: Mapping[str, str], simulation: Mapping[str, str], units: Container[str | None], leave_out: Container[str] = ()
 ) -> Xml.Element:
-    """The root with all that comes before the variables.
+    """Returns the root element with everything that comes before the variables.
 
-    identity: version of the standard and guid, by the standard's names. simulation: attributes of the CoSimulation element. units, and
-    leave_out of the log categories: names.
+    identity: version of the standard and guid, by the standard's names. simulation: attributes of the CoSimulation element. units: names
+    of the units to define. leave_out: names of log categories that are left out.
     """
     origin = {
         "modelName": scene.name, "description": scene.title, "author": AUTHOR, "version": __version__, "copyright": COPYRIGHT,

@@ -1,4 +1,4 @@
-"""What a user should know of a body before it runs: `softffd build` says it, the FMU carries it, and `softffd info` reads it there."""
+"""Notes for the user on a body before it runs: `softffd build` prints them, the FMU contains them, and `softffd info` reads them."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 NAME = "notes.txt"
 
 LIGHT, LIGHTEST, WORTH = 0.02, 0.2, 2.0
-"""Of the whole mass, what light points have in all at most; of the mean one, what the lightest has at most; how many times shorter steps
-they make at least"""
-WORTH_OF_NODES = 1.5  # the last one of a solid's nodes
+"""Largest fraction of the whole mass that the light points have together; largest ratio of a light point's mass to the mean mass; least
+factor by which light points shorten the steps, for there to be a note"""
+WORTH_OF_NODES = 1.5  # WORTH for the nodes of a solid
 READABLE = 20_000  # more variables than this make the descriptions slow to read in many tools
 
 
 def body_notes(scene: Scene, masses: Masses, samples: Samples | None) -> list[str]:
-    """How much of its box the mesh fills, where the centre of mass has moved, how many times too large the inertia is, which points are so
-    light that steps are short, whether it is too wide for implicit steps, what the start does to centre of mass and pins, which points of
-    the surface obstacles meet, which obstacles pass through each other."""
+    """Returns the notes: how much of its box the mesh fills, where the centre of mass has moved, by what factor the inertia is too large,
+    which points are so light that steps are short, whether the solid is too wide for implicit steps, how the start affects centre of mass
+    and pins, which points of the surface obstacles meet, and that free obstacles pass through each other."""
     of_mass = fill_note(scene), shift_note(scene, masses), inertia_note(scene, masses)
     of_steps = light_note(scene, masses), wide_note(scene)
     notes = *of_mass, *of_steps, spin_note(scene, masses), pins_note(scene), samples_note(samples), free_note(scene)
@@ -39,7 +39,7 @@ def body_notes(scene: Scene, masses: Masses, samples: Samples | None) -> list[st
 
 
 def read_notes(resources: Path) -> Iterator[str]:
-    """Those of an FMU, from its resources; none of one that has none."""
+    """Yields the notes of an FMU from its folder of resources; none if the FMU has none."""
     path = resources / NAME
     if path.is_file():
         yield from path.read_text(encoding="utf-8").splitlines()
@@ -57,7 +57,7 @@ def shift_note(scene: Scene, masses: Masses) -> str | None:
 
 
 def inertia_note(scene: Scene, masses: Masses) -> str | None:
-    """How many times the object's inertia the masses have; None where once, and where regions give masses of their own."""
+    """Returns the ratio of the masses' inertia to the object's, in words; None if it is 1, and if regions give masses of their own."""
     of_regions = any(region.mass is not None or region.density is not None for region in scene.region)
     least, most = masses.inertia.min(), masses.inertia.max()
     if of_regions or (least > 0.99 and most < 1.01):
@@ -70,7 +70,7 @@ def inertia_note(scene: Scene, masses: Masses) -> str | None:
 
 
 def light_note(scene: Scene, masses: Masses) -> str | None:
-    """How many times shorter explicit steps are because of the lightest points, and the key that gives those mass."""
+    """Returns the factor by which the lightest points shorten explicit steps, in words, and the key that gives these points mass."""
     if scene.is_solid:
         return _light_node_note(scene, masses.mass)
     mass = masses.mass
@@ -78,7 +78,7 @@ def light_note(scene: Scene, masses: Masses) -> str | None:
         return None
     squared, lightest = _squared_frequencies(scene, mass), np.argsort(mass, kind="stable")
     count = int((np.cumsum(mass[lightest]) <= LIGHT * mass.sum()).sum())
-    raised = np.maximum(mass, mass[lightest[count]])  # to the least of the others
+    raised = np.maximum(mass, mass[lightest[count]])  # light points get the least mass of the others
     others = _squared_frequencies(scene, raised).max()
     light = [p for p in lightest[:count] if mass[p] <= LIGHTEST * mass.mean() and squared[p] > WORTH**2 * others]
     if not light:
@@ -93,8 +93,8 @@ def light_note(scene: Scene, masses: Masses) -> str | None:
 
 
 def _light_node_note(scene: Scene, mass: np.ndarray) -> str | None:
-    """How many times shorter steps can be than with the masses that the box would give: the stiffness is that of the box, so that squared
-    frequencies are greater by the largest ratio of both at most. Pinned nodes do not count."""
+    """Returns, in words, the largest factor by which steps can be shorter than with the masses that the box would give. The stiffness is
+    that of the box, so squared frequencies grow by the largest ratio of these masses at most. Pinned nodes do not count."""
     of_box = mass.sum() * flat_shares(volume_shares(scene.lattice.points))
     ratio = of_box / mass
     for pin in scene.pin:
@@ -109,7 +109,7 @@ def _light_node_note(scene: Scene, mass: np.ndarray) -> str | None:
 
 
 def wide_note(scene: Scene) -> str | None:
-    """That a solid has too many points for implicit steps, where it would take them: damped, or beside an obstacle."""
+    """Returns a note if a solid has too many points for implicit steps, where it would take them: damped, or beside an obstacle."""
     across = across_longest(scene.lattice.points)
     implicit = scene.material.internal_damping or scene.plane or scene.solids
     if not (scene.is_solid and across > WIDEST and implicit and scene.solver.method == "auto"):
@@ -121,8 +121,9 @@ def wide_note(scene: Scene) -> str | None:
 
 
 def _squared_frequencies(scene: Scene, mass: np.ndarray) -> np.ndarray:
-    """Bounds (n,) [1/s2] of the squared frequencies at rest by each point, of which the largest gives the explicit step: the greatest
-    eigenvalue of the sum of k (1 + sqrt(m / m_other)) / m d d^T over its springs along d. 0 of pinned points: their mass is infinite."""
+    """Returns upper bounds (n,) [1/s2] of the squared frequencies at rest, one for each point; the largest determines the explicit step.
+    A point's bound is the greatest eigenvalue of the sum of k (1 + sqrt(m / m_other)) / m d d^T over its springs along d, and 0 if it is
+    pinned, as if its mass were infinite."""
     heavy, sides = mass.astype(float), np.array(scene.lattice_box.size) / (np.array(scene.lattice.points) - 1)
     for pin in scene.pin:
         heavy[scene.select(pin.points)] = np.inf
@@ -136,7 +137,7 @@ def _squared_frequencies(scene: Scene, mass: np.ndarray) -> np.ndarray:
 
 
 def _key_of_mass(scene: Scene, point: int) -> str:
-    """Of the scene, the key that a point has its mass from."""
+    """Returns the key of the scene that gives a point its mass."""
     for key in ("mass", "density"):
         own = [n for n, region in enumerate(scene.region) if getattr(region, key) is not None and point in scene.select(region.points)]
         if own:
@@ -145,7 +146,7 @@ def _key_of_mass(scene: Scene, point: int) -> str:
 
 
 def spin_note(scene: Scene, masses: Masses) -> str | None:
-    """The velocity that a spin about the box's centre gives the centre of mass."""
+    """Returns, in words, the velocity that a spin about the box's centre gives the centre of mass."""
     initial, box = scene.initial, scene.lattice_box
     arm = np.average(scene.mass_positions(), axis=0, weights=masses.mass) - np.array(box.origin) - np.array(box.size) / 2
     given = np.cross(initial.angular_velocity, turned(np.array(initial.stretch) * arm, np.array(initial.rotation_vector())))
@@ -158,7 +159,7 @@ def spin_note(scene: Scene, masses: Masses) -> str | None:
 
 
 def pins_note(scene: Scene) -> str | None:
-    """Of pins that stay at rest while the body starts elsewhere."""
+    """Returns a note on pins that stay at rest while the body starts elsewhere."""
     fixed = [pin.name for pin in scene.pin if pin.motion == "fixed"]
     if not fixed or not any(scene.initial.offset):
         return None
@@ -173,7 +174,7 @@ def _listed(values: Iterable[float]) -> str:
 
 
 def samples_note(samples: Samples | None) -> str | None:
-    """How many of the mesh's vertices planes meet, and how far behind them the others can be."""
+    """Returns a note on how many of the mesh's vertices obstacles meet, and how far behind a plane the other vertices can be."""
     if samples is None:
         return None
     if len(samples.places) == samples.vertices:
@@ -183,13 +184,13 @@ def samples_note(samples: Samples | None) -> str | None:
 
 
 def free_note(scene: Scene) -> str | None:
-    """That free obstacles do not meet each other, where there are several."""
+    """Returns a note that free obstacles do not meet each other, if there are several."""
     free = [str(solid.part) for solid in scene.solids if solid.motion == "free"]
     return f"free obstacles do not meet each other: {', '.join(free)}" if len(free) > 1 else None
 
 
 def size_warning(scene: Scene, count: int) -> str | None:
-    """What to say about a scene of so many variables, and which keys make them; None where they are not too many."""
+    """Returns a warning about a scene of so many variables, with the keys that create them; None if there are not too many."""
     if count <= READABLE:
         return None
     keys = {

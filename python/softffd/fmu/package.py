@@ -1,4 +1,4 @@
-"""From a scene to a file `.fmu`."""
+"""Writes the FMU of a scene, a file `.fmu`."""
 
 from __future__ import annotations
 
@@ -35,22 +35,22 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 PLATFORMS3 = {"linux64": "x86_64-linux", "win64": "x86_64-windows", "darwin64": "x86_64-darwin"}
-"""What FMI 3.0 calls the platforms, where it has another word than FMI 2.0."""
+"""FMI 3.0 names of the platforms, where they differ from those of FMI 2.0."""
 ARM, X86 = "aarch64-linux", "linux64"
 
 
 def binary_folders(platforms: Iterable[str], fmi: int) -> dict[str, str]:
-    """The folders of an FMU's `binaries`, each with the platform whose library it holds.
+    """Returns the folders of an FMU's `binaries`, each with the platform whose library it holds.
 
-    In FMI 2.0 linux64 is x86-64, and ARM has the name aarch64-linux of FMI 3.0 (FMI 2.0.4, section 2.3). But importers of FMI 2.0 look for
-    ARM's library in linux64 (docs/platforms.md), so that it is there too, unless the FMU has one for x86-64.
+    In FMI 2.0 linux64 is x86-64, and ARM has the name aarch64-linux of FMI 3.0 (FMI 2.0.4, section 2.3). But importers of FMI 2.0 look
+    for ARM's library in linux64 (docs/platforms.md). So ARM's library is put there too, unless the FMU has one for x86-64.
     """
     found = {name if fmi == 2 else PLATFORMS3.get(name, name): name for name in platforms}
     return found | ({X86: ARM} if fmi == 2 and ARM in found and X86 not in found else {})
 
 
 def platform_notes(platforms: Collection[str], fmi: int) -> list[str]:
-    """What a user should know of where the importers look for libraries."""
+    """Returns notes for the user on the folders in which importers look for libraries."""
     if fmi != 2 or ARM not in platforms:
         return []
     if X86 in platforms:
@@ -62,12 +62,13 @@ def platform_notes(platforms: Collection[str], fmi: int) -> list[str]:
 
 
 _point_masses, _node_masses = lru_cache(maxsize=1)(point_masses), lru_cache(maxsize=1)(node_masses)
-"""The last ones are kept: over a fine lattice and mesh they take minutes, and an FMU, its summary and a run want the same"""
+"""Cached, with the last result kept: over a fine lattice and mesh the masses take minutes, and an FMU, its summary and a run need the
+same"""
 
 
 def scene_masses(scene: Scene) -> Masses:
-    """The masses (n,) [kg] of the control points, or of a solid's nodes, and the shift of the centre of mass (3,) [m] by
-    mass.uniform_share, overrides included."""
+    """Returns the masses (n,) [kg] of the control points, or of a solid's nodes, including overrides by regions, and the shift (3,) [m]
+    of the centre of mass by mass.uniform_share."""
     lattice, given = scene.lattice, scene.mass
     body: dict[str, Any] = {"counts": lattice.points, "origin": lattice.origin, "size": lattice.size, "mesh": scene.loaded_mesh}
     body |= {"total": given.total, "density": given.density}
@@ -89,7 +90,7 @@ _surface_samples = lru_cache(maxsize=1)(surface_samples)
 
 
 def scene_samples(scene: Scene) -> Samples | None:
-    """The samples of the surface that the scene's planes meet; None where they meet the control points, and without planes."""
+    """Returns the samples of the surface that the scene's obstacles meet; None if they meet the control points, and without obstacles."""
     if scene.contact.of == "lattice" or not scene.obstacles:
         return None
     assert scene.loaded_mesh is not None
@@ -97,9 +98,9 @@ def scene_samples(scene: Scene) -> Samples | None:
 
 
 def scene_patches(scene: Scene, samples: Samples | None) -> patches.Patches | None:
-    """The patches of the scene's sensors, and the areas around all places that obstacles may touch; None without sensors.
+    """Returns the patches of the scene's sensors, and the areas around all places that obstacles may touch; None without sensors.
 
-    samples: by which the scene's obstacles are met; None: by the control points."""
+    samples: those of the surface that the scene's obstacles meet; None if the obstacles meet the control points."""
     if not scene.sensor:
         return None
     if samples is None:
@@ -122,7 +123,8 @@ def scene_patches(scene: Scene, samples: Samples | None) -> patches.Patches | No
 
 
 def _of_cells(scene: Scene, total: float) -> np.ndarray:
-    """The points' masses (n,) [kg] where regions give cells a density of their own; the other cells share `total` as if all did."""
+    """Returns the points' masses (n,) [kg] if regions give cells a density of their own. The other cells have the mass that an even
+    spread of `total` over all cells gives them."""
     counts = scene.lattice.points
     cells = np.full([count - 1 for count in counts], total / math.prod(count - 1 for count in counts))
     for region in scene.region:
@@ -135,15 +137,16 @@ def package_fmu(
     scene: Scene | str | Path, path: str | Path, *, platforms: Iterable[str] | str | None = None, fmi: Literal[2, 3] = 2,
     extra: Mapping[str, bytes] | None = None,
 ) -> Path:  # fmt: skip
-    """Writes the scene's FMU and returns its path; the same scene gives the same bytes.
+    """Writes the scene's FMU and returns its path. The same scene gives the same bytes.
 
     scene: a scene, the path of its file, or the name of a shipped one.
-    path: a file name ending in .fmu; folders are made where absent.
-    platforms: FMI platform names (linux64, ...) to carry; all that this installation has by default. SoftffdError if one is missing.
+    path: a file name ending in .fmu; missing folders are made.
+    platforms: FMI names (linux64, ...) of the platforms whose libraries the FMU contains; by default all that this installation has.
+        SoftffdError if one is missing.
     fmi: 2 for FMI 2.0, 3 for FMI 3.0, whose variables are arrays.
     extra: further files by their names in the FMU, such as those of softffd.run.reference.
     """
-    from softffd.scene.scene import scene_of  # brings pydantic along, which those who have an FMU do without
+    from softffd.scene.scene import scene_of  # imports pydantic, which opening an FMU does not need
 
     scene = scene_of(scene, "package_fmu")
     path = fmu_path(path)
@@ -164,7 +167,7 @@ def package_fmu(
 
 
 def write_folder(scene: Scene, folder: Path) -> Interface:
-    """Writes what a run of the scene's FMU reads to a folder that exists: no archive, and the library stays where it is installed."""
+    """Writes the files that a run of the scene's FMU reads into an existing folder, unpacked; the library stays where it is installed."""
     texts, listed, guid = scene_texts(scene)
     (folder / "resources").mkdir()
     for name, text in texts.items():
@@ -173,7 +176,8 @@ def write_folder(scene: Scene, folder: Path) -> Interface:
 
 
 def scene_texts(scene: Scene, fmi: int = 2) -> tuple[dict[str, bytes], list[Variable], str]:
-    """The files of an FMU that differ from scene to scene, its variables and its guid, a hash of description and records."""
+    """Returns the files of an FMU that differ from scene to scene, its variables, and its guid, which is a hash of description and
+    records."""
     masses, samples = scene_masses(scene), scene_samples(scene)
     listed = variables(scene, masses.mass)
     description = (model_description if fmi == 2 else model_description3)(scene, listed)
@@ -186,7 +190,7 @@ def scene_texts(scene: Scene, fmi: int = 2) -> tuple[dict[str, bytes], list[Vari
 
 
 def fmu_path(path: str | Path) -> Path:
-    """The path, if an FMU can be written there: SoftffdError where it does not end in .fmu or is a folder."""
+    """Returns the path. Raises SoftffdError if no FMU can be written there: it does not end in .fmu, or is a folder."""
     name = f"{path}" or '""'
     if Path(path).is_dir() and str(path):
         raise SoftffdError(f"{name}: wanted a file name ending in .fmu, got a folder{did_you_mean(str(Path(path) / 'NAME.fmu'))}")

@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
 NAME, HEAD = "scene.txt", "softffd-scene 2"
 NO_TURNING = (1.0, 1.0, 1.0)  # moments of inertia of a body that does not turn [kg m2]
-ONE_WAY = 0.5  # of all that the places of a patch have of area along an axis, what must face one way for its taxels to have a pressure
+ONE_WAY = 0.5  # least ratio of a patch's net area along its axis to the sum of the absolute areas, for its taxels to have a pressure
 T = TypeVar("T")
 
 
 def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None, sensed: Patches | None = None) -> str:
-    """All records but the guid; what the scene does not need is absent."""
-    from softffd.scene.rigid import Box, Plane  # brings pydantic along, which those who have an FMU do without
+    """Returns all records of the file but the guid; records that the scene does not need are left out."""
+    from softffd.scene.rigid import Box, Plane  # imports pydantic, which opening an FMU does not need
 
     lines: list[list[Any]] = []
 
@@ -122,13 +122,13 @@ def scene_records(scene: Scene, masses: Masses, samples: Samples | None = None, 
 
 
 def scene_text(records: str, guid: str) -> str:
-    """The whole file: head with the checksum of all that follows, guid, records."""
+    """Returns the whole file: the head with the CRC-32 of all that follows, the guid, and the records."""
     body = f"guid {guid}\n{records}"
     return f"{HEAD} {zlib.crc32(body.encode()):08x}\n{body}"
 
 
 class PinRecord(NamedTuple):
-    """A pin: whether inputs move it, how many points it holds, where the origin of its frame is at rest [m]."""
+    """A pin: whether inputs move it, the number of points that it holds, and the origin of its frame at rest [m]."""
 
     name: str
     moved: bool
@@ -137,7 +137,7 @@ class PinRecord(NamedTuple):
 
 
 class Resources:
-    """What an FMU of this package says of itself in its folder of resources; nothing in another one."""
+    """The scene file in the folder of resources of an FMU of this package; empty for an FMU of another program."""
 
     def __init__(self, folder: Path):
         file = folder / NAME
@@ -150,18 +150,18 @@ class Resources:
 
     @cached_property
     def lattice(self) -> LatticeBox | None:
-        """None in an FMU that is not of this package."""
+        """The scene's lattice; None for an FMU of another program."""
         if not self._lines:
             return None
         points, origin, size = _three(int, self._last["counts"]), *(_three(float, self._last[key]) for key in ("origin", "size"))
         return LatticeBox(points, origin, size, self._last.get("basis", ["bezier"])[0])
 
     def points(self, key: str) -> list[Point]:
-        """The control points of a selection (forces, positions, velocities), in its order."""
+        """Returns the control points of a selection (forces, positions, velocities), in the order of the selection."""
         return [point_at(int(word), _three(int, self._last["counts"])) for word in self._last.get(key, ())]
 
     def pins(self) -> list[PinRecord]:
-        """In the scene's order."""
+        """Returns the pins in the scene's order."""
         rest, found = None if self.lattice is None else to_flat(self.lattice.rest()), list[PinRecord]()
         for key, *words in self._lines:
             if key == "pin" and rest is not None:
@@ -172,7 +172,7 @@ class Resources:
         return found
 
     def obstacles(self) -> Obstacles | None:
-        """What there is to say of them; None in an FMU that is not of this package."""
+        """Returns what the obstacles meet (surface or lattice), and the solid ones; None for an FMU of another program."""
         found, name = [], ""
         for key, *words in self._lines:
             if key == "plane":
@@ -186,7 +186,7 @@ class Resources:
         return Obstacles("surface" if "sample" in self._last else "lattice", tuple(found)) if self._lines else None
 
     def taxels(self) -> tuple[TaxelGrid, ...]:
-        """The grids of taxels, in the order of the sensors."""
+        """Returns the grids of taxels, in the order of the sensors."""
         box, found = self.lattice, list[TaxelGrid]()
         if box is None or "sensor_taxels" not in self._last:
             return ()
@@ -205,7 +205,8 @@ class Resources:
 def _grid(
     name: str, places: np.ndarray, areas: np.ndarray, mine: np.ndarray, counts: tuple[int, int], shares: np.ndarray
 ) -> TaxelGrid:  # fmt: skip
-    """shares: rows of place, taxel and part, as in embedding/patches.py, whose choice of the axis this is."""
+    """Returns the grid of one sensor. shares: rows of place, taxel and fraction, as in embedding/patches.py, which chooses the axis
+    likewise."""
     total = areas[mine].sum(axis=0)
     axis = int(abs(total).argmax())
     size = abs(areas[:, axis])
@@ -217,12 +218,13 @@ def _grid(
 
 
 def _moved(part: Plane | Sphere | Cylinder | Box | Pin) -> str:
-    """The word of what inputs do not move is "fixed", of free bodies too: a record of their own follows."""
+    """Returns "input" if inputs move the part, else "fixed". Free bodies are "fixed" too: a record "free" or "pin_free" of their own
+    follows."""
     return "input" if part.motion == "input" else "fixed"
 
 
 def _unit(guide: tuple[float, float, float] | None) -> tuple[float, float, float]:
-    """A unit vector along it; zero where there is none."""
+    """Returns the unit vector along a guide; the zero vector without a guide."""
     if guide is None:
         return (0.0, 0.0, 0.0)
     x, y, z = (each / max(map(abs, guide)) for each in guide)
@@ -236,6 +238,6 @@ def _three(read: Callable[[Any], T], words: Iterable[Any]) -> tuple[T, T, T]:
 
 
 def _line(values: Iterable[Any]) -> str:
-    """Numbers as the shortest decimals that read back as the same doubles."""
+    """Returns a line of the file, in which numbers are the shortest decimals that read back as the same doubles."""
     plain = (int(value) if isinstance(value, int | np.integer) else value for value in values)
     return " ".join(str(value) if isinstance(value, int | str) else repr(float(value)) for value in plain) + "\n"

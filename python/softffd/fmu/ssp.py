@@ -1,7 +1,7 @@
 """A system of coupled FMUs as a file `.ssp` (SSP 1.0): SystemStructure.ssd and the FMUs in resources/.
 
-Start values stand beside each component as a parameter set `start`, which libcosim takes by itself and Ecos by its name; and once more, as
-COMPONENT.VARIABLE, in resources/start.ssv for fmpy, which reads none of its own accord: read_ssv(path, "resources/start.ssv").
+The start values of each component are a parameter set `start`, which libcosim applies by itself and Ecos by its name. They stand once
+more, as COMPONENT.VARIABLE, in resources/start.ssv for fmpy, which applies no set by itself: read_ssv(path, "resources/start.ssv").
 """
 
 import json
@@ -29,7 +29,7 @@ from softffd.spelling import did_you_mean
 SSP = "http://ssp-standard.org/SSP1/SystemStructure"
 SPACES = {"ssd": f"{SSP}Description", "ssc": f"{SSP}Common", "ssv": f"{SSP}ParameterValues"}
 FMU, START = "application/x-fmu-sharedlibrary", "resources/start.ssv"
-KEPT = "extra/softffd/{}.json"  # of a component that was made of a scene: that scene
+KEPT = "extra/softffd/{}.json"  # the scene that a component was made from
 for _prefix, _space in SPACES.items():
     Xml.register_namespace(_prefix, _space)
 
@@ -43,20 +43,20 @@ def write_ssp(
         write_ssp("pressed.ssp", {"box": scene, "plate": "plate.fmu"},
                   [(f"plate.{name}", f"box.plane.plate.{name}") for name in ("point", "velocity", "reaction")])
 
-    path: a file name ending in .ssp; folders are made where absent.
-    components: by name: scenes, scene files, names of shipped scenes, or FMUs (FMI 2.0 co-simulation).
-    connections: pairs of ends `component.variable`, an output and an input in either order; vectors connect all components. A third
-        number is a factor and a fourth an offset [unit of the input]: the input gets factor * output + offset. fmpy passes over these.
-    start_values: of inputs and parameters by end, numbers or vectors.
-    record: further outputs that hosts are to record, which they do with what is a connector: ends, or what ends belong to, as
+    path: a file name ending in .ssp; missing folders are made.
+    components: by name, scenes, scene files, names of shipped scenes, or FMUs (FMI 2.0 co-simulation).
+    connections: pairs of ends `component.variable`, an output and an input in either order; two vectors are connected in all components.
+        A third item is a factor and a fourth an offset [unit of the input]: the input gets factor * output + offset. fmpy ignores both.
+    start_values: of inputs and parameters, by end; numbers or vectors.
+    record: further outputs that hosts record, because they become connectors: ends, or parts that ends belong to, such as
         "box.probe.top", "box.energy", "box".
-    Raises SoftffdError with every unknown name, mismatch of causality, type or unit, and input that is connected twice.
+    Raises SoftffdError that lists every unknown name, mismatch of causality, type or unit, and input that is connected twice.
     """
     return _write(Path(path), components, connections, start_values or {}, record)[0]
 
 
 def told_ssp(path: Path, *asked: Any) -> list[str]:
-    """Writes a system as write_ssp does; what a user should know of it."""
+    """Writes a system as write_ssp does, and returns lines that inform the user about it."""
     _, wiring = _write(path, *asked)
     names, count = ", ".join(wiring.elements), len(wiring.connections)
     recorded = len({str(end) for end in wiring.recorded})
@@ -109,7 +109,7 @@ def _checked_name(name: str) -> str:
 
 
 def _fmu_or_scene(name: str, what: Scene | str | Path) -> Any:
-    """The path of an FMU that is there, or a scene."""
+    """Returns the path of an FMU that exists, or a scene."""
     if not isinstance(what, str | Path) or Path(what).suffix.lower() != ".fmu":
         return scene_of(what, name, "a Scene, the path or name of one, or the path of an FMU")
     if not Path(what).is_file():
@@ -118,7 +118,7 @@ def _fmu_or_scene(name: str, what: Scene | str | Path) -> Any:
 
 
 def _kept(scene: Scene, path: Path) -> dict[str, Any]:
-    """What a system at this path keeps of a scene, so that its runs can be shown again with the mesh."""
+    """Returns what a system at this path stores of a scene, so that its runs can be shown again with the mesh."""
     kept = vars(KeptScene.of(scene)) | {"path": scene.path.name}
     if scene.mesh:
         kept["keys"]["mesh"]["file"] = seen_from(path.parent, scene.mesh.file)
@@ -173,7 +173,7 @@ def _component(parent: Xml.Element, element: Element, wiring: Wiring) -> None:
 
 
 def _parameter_set(starts: Mapping[str, float], wiring: Wiring, element: str | None = None) -> Xml.Element:
-    """starts: by variable of the element, or by end."""
+    """Returns the parameter set of start values. starts: by variable of the element, or by end if there is no element."""
     root = _node(None, "ssv:ParameterSet", version="1.0", name="start")
     parameters = _node(root, "ssv:Parameters")
     for name, value in starts.items():

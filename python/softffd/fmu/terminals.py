@@ -1,11 +1,12 @@
 """terminalsAndIcons.xml: the variables of each obstacle, pin, load, probe and sensor as a terminal, for tools that connect whole parts.
 
-FMI 3.0 defines the file (section 2.4.9), and FMI 2.0.4 takes it over as it is, the version that it states included. What belongs to a
-part comes from the variables' names: `plane.press.reaction.z` is the member `reaction.z` of the terminal `plane.press`, and in FMI 3.0
-`reaction`, an array. So a new kind of part needs no line here.
+FMI 3.0 defines the file (section 2.4.9), and FMI 2.0.4 adopts it unchanged, with the version that it states. The names of the variables
+tell which part they belong to: `plane.press.reaction.z` is the member `reaction.z` of the terminal `plane.press`, and in FMI 3.0
+`reaction`, an array. So a new kind of part needs no change here.
 
-    matching rule   bus: members are matched by name, and some may be missing: a partner that has no angular velocity is connected too
-    kind of member  signal: what one puts out the other takes in. A reaction goes to a partner's force; it is no flow that sums up to zero
+    matching rule   bus: members are matched by name, and some may be missing: a partner without angular velocity is connected too
+    kind of member  signal: an output of one side is an input of the other. A reaction is connected to a partner's force; it is no flow
+                    with a sum of zero
     members         inputs and outputs; parameters, such as friction, are no part of a connection
 """
 
@@ -16,11 +17,11 @@ from softffd.fmu.variables import OF_POINTS, Variable
 from softffd.names import Cell, Part, flat_form, parse_name
 
 PLACE = "terminalsAndIcons/terminalsAndIcons.xml"  # in the FMU
-WHOLE = "value"  # member of what has no name but its part's: in FMI 3.0 the three components of a load or a probe
+WHOLE = "value"  # member name of a variable whose name is its part's: in FMI 3.0 the three components of a load or a probe
 
 
 def terminals(variables: Sequence[Variable], fmi: int, *, flat: bool) -> Xml.Element | None:
-    """The document; None where no part has inputs or outputs. fmi: 2, whose variables are the elements, or 3. flat: the names' form."""
+    """Returns the document; None if no part has inputs or outputs. fmi: 2, where variables are elements, or 3. flat: the names' form."""
     form = flat_form if flat else str
     members: dict[Part, list[tuple[str, str]]] = {}
     for variable in variables:
@@ -43,7 +44,7 @@ def terminals(variables: Sequence[Variable], fmi: int, *, flat: bool) -> Xml.Ele
 
 
 def _part_of(name: str) -> Part | None:
-    """That of a variable, or of an array by its name; a taxel belongs to its sensor."""
+    """Returns the part of a variable, or of an array by its name; the part of a taxel is its sensor."""
     found = next((found for rest in ("", ".x", "[0,0].x") if (found := parse_name(name + rest))), None)
     if found and isinstance(found.instance, Cell):
         return Part("sensor", found.instance.name)

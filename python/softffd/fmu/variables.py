@@ -1,13 +1,14 @@
-"""The variables of one scene's FMU: the table modelDescription/variables.toml spread over what the scene holds.
+"""The variables of one scene's FMU: the table modelDescription/variables.toml applied to the parts of the scene.
 
-There is one list, of arrays, as FMI 3.0 has them (fmu_src/fmi/variables/arrays.cpp); FMI 2.0 has the elements of each, in the same order.
+There is one list, of arrays, as FMI 3.0 has them (fmu_src/fmi/variables/arrays.cpp); FMI 2.0 has the elements of each array, in the same
+order.
 
     position, velocity, force    one array for all control points that the scene lists: (ni, nj, nk, 3) where they fill a box of the
                                  lattice, in ascending order, else (points, 3)
     taxels of a sensor           (n, m, 3)
-    vectors                      (3,) or (4,); of a pose that is partly input, partly parameter, a scalar each
+    vectors                      (3,) or (4,); a scalar for each component of a pose that is partly input, partly parameter
 
-An element has the value reference of the array's first plus its place in it.
+The value reference of an element is that of the array's first element plus the element's place in the array.
 """
 
 from __future__ import annotations
@@ -32,11 +33,11 @@ if TYPE_CHECKING:
     from softffd.scene.selection import Selection
 
 STANDARD_GRAVITY = 9.80665  # m/s2
-TOUCHING = {"lattice": "control points", "surface": "points of the surface"}  # what is counted on an obstacle
+TOUCHING = {"lattice": "control points", "surface": "points of the surface"}  # what an obstacle's number of contacts counts
 OF_POINTS = ("forces", "positions", "velocities")  # parts whose instances are control points
 _LIST = re.compile(r"[^:]*: (\d+ \w+(?:, \d+ \w+)*)")
 
-Words = dict[str, Any]  # what an instance of a part brings: what stands in its names and descriptions, and its start values
+Words = dict[str, Any]  # what an instance of a part supplies: the words in its names and descriptions, and its start values
 
 
 @dataclass(frozen=True)
@@ -44,16 +45,16 @@ class Variable:
     """One variable of the list."""
 
     family: dict[str, Any]  # its row of the table
-    instances: tuple[Words, ...]  # what it belongs to: of an array of control points all of them, else one
+    instances: tuple[Words, ...]  # what it belongs to: all control points for an array of them, else one instance
     components: str  # letters of the last dimension, or of the one component that a scalar is; empty where the family has none
     shape: tuple[int, ...]  # empty for a scalar
     reference: int  # value reference of the first element
-    start: tuple[float | int, ...]  # one value for all elements, or theirs one by one; empty for outputs
-    nominal: float | None  # usual size
+    start: tuple[float | int, ...]  # one value for all elements, or one for each; empty for outputs
+    nominal: float | None  # nominal value: the usual magnitude
 
     @property
     def count(self) -> int:
-        """How many elements it has."""
+        """Number of elements."""
         return math.prod(self.shape)
 
     @property
@@ -62,7 +63,7 @@ class Variable:
         return _value_in(self.family, "max", self.instances[0], 0)
 
     def name(self, *, flat: bool = False) -> str:
-        """Of the whole. flat: the names' form (softffd.names)."""
+        """Returns the name of the whole variable. flat: the names' form (softffd.names)."""
         if self.family["part"] in OF_POINTS:
             return str(self.family["name"]).partition("[")[0]
         if self.family["part"] == "taxels":
@@ -72,7 +73,7 @@ class Variable:
 
     @property
     def description(self) -> str:
-        """Of the whole."""
+        """Description of the whole variable."""
         text = of_whole(self.family["description"]) if self.shape else self.family["description"]
         if self.family["part"] in OF_POINTS:
             _, which = _box([_instance(words) for words in self.instances])
@@ -81,7 +82,7 @@ class Variable:
         return text.format(**self.instances[0], c=self.components)
 
     def elements(self, *, flat: bool = False) -> Iterator[tuple[str, str]]:
-        """Name and description of each element. flat: the names' form (softffd.names)."""
+        """Yields name and description of each element. flat: the names' form (softffd.names)."""
         key, description = self.family["key"], self.family["description"]
         for words in self.instances:
             for letter in self.components or [""]:
@@ -89,36 +90,36 @@ class Variable:
 
 
 def method_value(key: str) -> int:
-    """The number that stands for a method in solver.method."""
+    """Returns the number that stands for a method in solver.method."""
     return next(method["value"] for method in table()["method"] if method["key"] == key)
 
 
 def list_of_values(values: dict[str, int]) -> str:
-    """Names of an Integer variable's values, as descriptions and messages list them: "1 auto, 2 central_difference". FMI 2.0 has
-    enumerations for this, which many masters can't set."""
+    """Returns the names of an Integer variable's values in the form of descriptions and messages: "1 auto, 2 central_difference". FMI 2.0
+    has enumerations for this purpose, but many masters cannot set them."""
     return ", ".join(f"{value} {name}" for name, value in values.items())
 
 
 def listed_values(description: str) -> dict[str, int] | None:
-    """The values by name from a description that ends in their list; None where it has none."""
+    """Returns the values by name from a description that ends in their list; None for a description without a list."""
     found = _LIST.fullmatch(description)
     return {name: int(value) for value, name in (pair.split() for pair in found[1].split(", "))} if found else None
 
 
 def has_damping(scene: Scene, key: str) -> bool:
-    """Has any control point or spring some? key: "damping" or "internal_damping"."""
+    """True if any control point or spring has damping. key: "damping" or "internal_damping"."""
     return getattr(scene.material, key) > 0 or any(getattr(region, key) for region in scene.region)
 
 
 def _instance(words: Words) -> Instance:
-    """What stands in a name for a part or a control point."""
+    """Returns the part or control point that stands in a variable's name."""
     if "k" in words:
         return words["i"], words["j"], words["k"]
     return words.get("cell", words.get("part", words.get("name")))
 
 
 def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
-    from softffd.scene.rigid import Box, Plane, Sphere  # brings pydantic along, which those who have an FMU do without
+    from softffd.scene.rigid import Box, Plane, Sphere  # imports pydantic, which opening an FMU does not need
 
     turned = {"rotation": plane.rotation_vector()} if isinstance(plane, Box) else {"normal": plane.normal}
     if isinstance(plane, Plane):
@@ -136,17 +137,17 @@ def _plane(plane: Plane | Sphere | Cylinder | Box) -> dict[str, Any]:
 
 
 def _free(body: Sphere | Cylinder | Box | Pin, mass: float) -> Words:
-    """What a free body's variables say. mass: [kg]."""
+    """Returns the words for a free body's variables. mass: [kg]."""
     return {"body": body.part, "mass": mass, "guided": body.guide is not None}
 
 
 def _bodies(rigid: list[Words], *, turning: bool = False) -> list[Words]:
-    """Of obstacles or pins the free ones. turning: those without a guide alone."""
+    """Returns the free ones of the obstacles or pins. turning: only those without a guide."""
     return [each for each in rigid if "body" in each and not (turning and each["guided"])]
 
 
 def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
-    """The instances of every part that a family can belong to, each with the values that fill its names and starts."""
+    """Returns the instances of every part that a family can belong to, each with the values that fill its names and start values."""
 
     def points(selection: Selection) -> list[dict[str, Any]]:
         return [dict(zip("ijk", point_at(int(p), scene.lattice.points), strict=True)) for p in scene.select(selection)]
@@ -167,7 +168,7 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
     methods = {method["key"]: method["value"] for method in table()["method"]}
     solver = {"method": method_value(scene.solver.method), "methods": list_of_values(methods), "last_method": max(methods.values())}
     solver |= {"tolerance": scene.solver.tolerance, "step": scene.solver.step}
-    solver["mass"] = float(np.cumsum(mass)[-1])  # one after the other, as the library adds them
+    solver["mass"] = float(np.cumsum(mass)[-1])  # summed one after the other, as the library sums them
     touching = TOUCHING[scene.contact.of]
     shown = {word: [{"name": probe.name, "maximum": probe.maximum} for probe in scene.probe if getattr(probe, word)] for word in PROBED}
     reactions = {"plane_reactions": [each | {"touching": touching} for each in surfaces], "pin_reactions": held}
@@ -213,7 +214,8 @@ def parts(scene: Scene, mass: np.ndarray) -> dict[str, list[dict[str, Any]]]:
 
 
 def sizes(scene: Scene, mass: np.ndarray) -> dict[str, float]:
-    """What is usual for a body of this size and mass that falls by its own length, for the variables' nominal values."""
+    """Returns the usual length [m], weight [N], speed [m/s] and spin [rad/s] of a body of this size and mass that falls by its own
+    length, for the variables' nominal values."""
     length = max(scene.lattice_box.size)
     given = scene.environment.gravity
     gravity = (float(np.linalg.norm(given)) if given else 0.0) or STANDARD_GRAVITY
@@ -222,9 +224,10 @@ def sizes(scene: Scene, mass: np.ndarray) -> dict[str, float]:
 
 
 def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
-    """All variables of a scene but time. mass: (n,) kg, the control points' masses after region overrides.
+    """Returns all variables of a scene but time. mass: (n,) kg, the control points' masses after region overrides.
 
-    Families of one name, of which one has the inputs and the other the parameters, stand together: a part's components in their order.
+    Two families of the same name, one with the inputs and one with the parameters, stand together, so that a part's components are in
+    order.
     """
     present, usual = parts(scene, mass), sizes(scene, mass)
     found: list[Variable] = []
@@ -264,14 +267,15 @@ def variables(scene: Scene, mass: np.ndarray) -> list[Variable]:
 
 
 def _value_in(family: dict[str, Any], key: str, words: Words, component: int) -> Any:
-    """What a family's key says for a component of an instance: a value, or the name of one that the instance brings."""
+    """Returns the value of a family's key for a component of an instance. The key holds the value, or the name of a value of the
+    instance."""
     given = family.get(key)
     value = words[given] if isinstance(given, str) else given
     return value[component] if isinstance(value, tuple | list) else value
 
 
 def _owner(families: list[dict[str, Any]], words: Words, component: str) -> dict[str, Any]:
-    """The family that a component of an instance is of: of a pose it is an input where the scene says so, else a parameter."""
+    """Returns the family of a component of an instance. A component of a pose is an input where the scene says so, else a parameter."""
     if len(families) == 1:
         return families[0]
     causality = "input" if f"{families[0]['pose']}.{component}" in words["inputs"] else "parameter"
@@ -279,14 +283,14 @@ def _owner(families: list[dict[str, Any]], words: Words, component: str) -> dict
 
 
 def of_whole(description: str) -> str:
-    """A family's description without the words that tell one component from the others."""
+    """Returns a family's description without the words that distinguish its components."""
     for behind in ",;:":
         description = description.replace(", {c}" + behind, behind)
     return description.replace("component {c}", "components w, x, y, z").removesuffix(", {c}")
 
 
 def _box(points: list[Any]) -> tuple[tuple[int, ...], str]:
-    """The shape of an array of these control points, and which they are, in words."""
+    """Returns the shape of an array of these control points, and the control points in words."""
     low, high = np.min(points, axis=0), np.max(points, axis=0)
     sides = high - low + 1
     if points == [tuple(low + np.array(point)) for point in all_points(sides)]:

@@ -1,6 +1,6 @@
-"""Components of a coupled system and the connections between them: names looked up, ends checked, every problem told at once.
+"""Components of a coupled system and the connections between them: looks up names, checks ends, and reports all problems at once.
 
-An end is `component.variable`. A vector's name stands for all its components: plate.point is plate.point.x, .y and .z.
+An end is `component.variable`. The name of a vector stands for all its components: plate.point is plate.point.x, .y and .z.
 """
 
 import math
@@ -17,12 +17,13 @@ from softffd.names import belonging, components_in, parse_name, stem, structured
 from softffd.spelling import did_you_mean, nearest_of
 
 STARTS = ("Real", "Integer", "Boolean", "Enumeration")  # types of variables that take a start value
-MOST_NAMES = 4  # that are listed as what would fit
+MOST_NAMES = 4  # most names that a message lists as fitting
 
 
 @dataclass(frozen=True)
 class Element:
-    """One component of a system: what its FMU offers, and its units' powers of the base units, factors and offsets by name."""
+    """One component of a system: the interface of its FMU, and for each unit by name the exponents of the base units, factor and
+    offset."""
 
     name: str
     interface: Interface
@@ -38,28 +39,28 @@ class End(NamedTuple):
 
     @property
     def unit(self) -> Any:
-        """What compares equal for equal units: the definition, else the name."""
+        """A value that compares equal for equal units: the definition of the unit, or its name if the FMU does not define it."""
         return self.element.units.get(self.variable.unit or "", self.variable.unit)
 
     @property
     def quantity(self) -> Any:
-        """What compares equal for equal quantities, such as lengths in m and mm."""
+        """A value that compares equal for equal quantities, such as lengths in m and mm."""
         unit = self.unit
         return {key: power for key, power in unit.items() if key not in ("factor", "offset")} if isinstance(unit, Mapping) else unit
 
     @property
     def stem(self) -> str:
-        """The vector that it is a component of, else itself."""
+        """The name of the vector that the variable is a component of, else of the variable itself; with the name of the element."""
         return f"{self.element.name}.{next(iter(vectors_in([self.variable.name])), self.variable.name)}"
 
     @property
     def word(self) -> str:
-        """The last word of that: "reaction"."""
+        """The last word of `stem`, such as "reaction"."""
         return self.stem.rpartition(".")[2]
 
 
 class Connection(NamedTuple):
-    """From an output to an input, which gets factor * value + offset."""
+    """A connection from an output to an input, which gets factor * value + offset."""
 
     source: End
     target: End
@@ -69,7 +70,7 @@ class Connection(NamedTuple):
 
 @dataclass
 class Wiring:
-    """Connections and start values of a system, with the problems that were found in what was asked."""
+    """Connections and start values of a system, with the problems that were found in the request."""
 
     elements: Mapping[str, Element]
     connections: list[Connection] = field(default_factory=list)
@@ -78,7 +79,7 @@ class Wiring:
     problems: list[str] = field(default_factory=list)
 
     def connect(self, asked: Iterable[Sequence[Any]]) -> None:
-        """asked: pairs of ends, in either order, or with a factor, or with a factor and an offset."""
+        """Adds connections. asked: pairs of ends, in either order, optionally with a factor, or with a factor and an offset."""
         for given in asked:
             before = len(self.problems)
             connections = list(self._connections(given))
@@ -88,7 +89,8 @@ class Wiring:
                 self.problems[before] += self._fitting(connections[0])
 
     def record(self, asked: Iterable[str]) -> None:
-        """asked: outputs as COMPONENT.NAME, where NAME means all outputs that belong to it (box.probe.top, box.energy), or COMPONENT."""
+        """Adds outputs to record. asked: COMPONENT.NAME, where NAME means all outputs that belong to it (box.probe.top, box.energy), or
+        COMPONENT."""
         for name in asked:
             element, _, wanted = str(name).partition(".")
             if element not in self.elements:
@@ -106,11 +108,11 @@ class Wiring:
                 self.problems.append(f"{name}: {element} has no such output{did_you_mean(nearest and f'{element}.{nearest}')}")
 
     def ends(self) -> dict[str, End]:
-        """What is connected or recorded, each once."""
+        """Returns the ends that are connected or recorded, each once, by name."""
         return {str(end): end for end in [*(end for each in self.connections for end in each[:2]), *self.recorded]}
 
     def start(self, values: Mapping[str, Any]) -> None:
-        """values: by end, numbers or vectors."""
+        """Adds start values. values: numbers or vectors by end."""
         if values and (alike := [f"{a} and {b}" for a in self.elements for b in self.elements if a != b and b.startswith(a)]):
             self.problems.append(
                 f"components {alike[0]}: wanted names of which none begins with another, because fmpy assigns start values by that"
@@ -161,7 +163,8 @@ class Wiring:
             yield Connection(source, target, *factors)
 
     def _ends(self, name: str) -> dict[str, End]:
-        """By component, "" of a number: the end of this name, or those of the vector; a problem and none where there is none."""
+        """Returns the end of this name with the key "", or those of the vector by component. If there is none, adds a problem and returns
+        {}."""
         element, _, variable = name.partition(".")
         if element not in self.elements:
             self._unknown_element(name)
@@ -192,7 +195,8 @@ class Wiring:
             self.connections.append(new)
 
     def _fitting(self, refused: Connection) -> str:
-        """The variables that each end could be connected with instead, of a connection whose causalities or units differ."""
+        """Returns, for a connection whose causalities or units differ, the variables that each end could be connected with instead, in
+        words."""
         source, target = refused[:2]
         opposite = {"output": "input", "input": "output"}
         found = []
@@ -208,8 +212,8 @@ class Wiring:
         return "".join(found)
 
     def doubts(self) -> list[str]:
-        """Connections that are made and may not be what was meant: of two quantities, by a factor; to another input than the one of the
-        output's name."""
+        """Returns messages about connections that may not be intended: a factor connects two different quantities, or an output goes to
+        an input of another name while an input of its own name and unit is unconnected."""
         connected = {each.target.stem for each in self.connections}
         found: dict[str, None] = {}
         for source, target, *_ in self.connections:
@@ -223,7 +227,7 @@ class Wiring:
         return list(found)
 
     def starts_elsewhere(self) -> list[str]:
-        """What connected inputs start from, where that is not zero: fmpy sets these to zero in its first step."""
+        """Returns the start values of connected inputs that are not zero: fmpy sets connected inputs to zero in its first step."""
         targets = [each.target for each in self.connections]
         values = [(end, self.starts.get(end.element.name, {}).get(end.variable.name, end.variable.start)) for end in targets]
         return [f"{end} = {float(value):g}" for end, value in values if value and float(value)]
@@ -252,6 +256,6 @@ def _kind(variable: ScalarVariable) -> str:
 
 
 def read_units(description: bytes) -> dict[str, dict[str, str]]:
-    """The units that a modelDescription.xml defines, by name: powers of the base units, factor, offset."""
+    """Returns the units that a modelDescription.xml defines, by name: exponents of the base units, factor, offset."""
     units = Xml.fromstring(description).iterfind("UnitDefinitions/Unit")
     return {unit.get("name", ""): dict(base.attrib) for unit in units if (base := unit.find("BaseUnit")) is not None}

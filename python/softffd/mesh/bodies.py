@@ -1,4 +1,4 @@
-"""Files that trimesh reads, a scene of bodies each: GLB, glTF, COLLADA and 3MF."""
+"""Files that trimesh reads, each with a scene of bodies: GLB, glTF, COLLADA and 3MF."""
 
 import logging
 import struct
@@ -20,15 +20,15 @@ from softffd.mesh.polygons import Triangles, damaged, found_beside
 from softffd.spelling import few
 
 _NEEDED = {".dae": ("collada", "pycollada"), ".3mf": ("networkx", "lxml and networkx")}
-"""A module that trimesh needs beside itself, and what to install."""
+"""By kind of file: a module that trimesh needs in addition, and the packages to install."""
 
 _OF_DATA = (ValueError, LookupError, AssertionError, EOFError, OSError, struct.error, BadZipFile, SyntaxError)
-"""What reading damaged data raises; other exceptions may be the program's own."""
+"""Exceptions that damaged data cause; other exceptions may come from errors of the program."""
 
 
 class Surface(NamedTuple):
-    """Of a glTF's material beside its picture and colour. name: its own. turned (2, 2), moved (2,): of the picture's coordinates, None:
-    they stay. coordinates: which set of them."""
+    """Properties of a glTF material beside picture and colour. name: in the file. turned (2, 2), moved (2,): transform of the texture
+    coordinates, None for the identity. coordinates: number of the set of texture coordinates."""
 
     name: str = ""
     turned: np.ndarray | None = None
@@ -36,7 +36,7 @@ class Surface(NamedTuple):
     coordinates: int = 0
 
     def placed(self, uv: np.ndarray) -> np.ndarray:
-        """Coordinates (V, 2), whose v goes up, as they are seen; glTF's own v goes down."""
+        """Returns the transformed texture coordinates (V, 2). v points up in `uv` and in the result, but down in glTF."""
         if self.turned is None or self.moved is None:
             return uv
         down = np.column_stack([uv[:, 0], 1.0 - uv[:, 1]]) @ self.turned.T + self.moved
@@ -44,10 +44,10 @@ class Surface(NamedTuple):
 
 
 def read_bodies(path: Path, data: bytes, surfaces: list[Surface] | None = None) -> Triangles:
-    """Return the triangles of all bodies of the file's scene, each in its place, in the order of the file.
+    """Returns the triangles of all bodies of the scene of the file, each in its place, in the order of the file.
 
-    surfaces: those of a glTF, whose materials are called by their numbers, and whose colours are amounts of light.
-    Raises MeshError for damaged files, and where a package is missing that reads them.
+    surfaces: those of a glTF file, in which the material names are numbers into `surfaces` and colours are linear; None for other kinds.
+    Raises MeshError for damaged files, and if trimesh fails for another reason, such as a missing package.
     """
     bodies = _read(path, data, surfaces)
     for body in bodies:
@@ -59,10 +59,10 @@ def read_bodies(path: Path, data: bytes, surfaces: list[Surface] | None = None) 
 
 @contextmanager
 def quiet_trimesh() -> Iterator[None]:
-    """Keep trimesh's log and warnings to itself: what matters is said by an error."""
+    """Suppresses the log and the warnings of trimesh, since errors report all that matters."""
     logger = logging.getLogger("trimesh")
     level = logger.level
-    logger.setLevel(logging.CRITICAL + 1)  # its modules' loggers inherit the level
+    logger.setLevel(logging.CRITICAL + 1)  # the loggers of the modules of trimesh inherit the level
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
@@ -72,7 +72,7 @@ def quiet_trimesh() -> Iterator[None]:
 
 
 def require_package(path: Path) -> None:
-    """Raise MeshError where a package is not installed that reads this kind."""
+    """Raises MeshError if a package that reads this kind of file is not installed."""
     from importlib.util import find_spec
 
     module, packages = _NEEDED[path.suffix.lower()]
@@ -83,7 +83,7 @@ def require_package(path: Path) -> None:
 
 
 def _read(path: Path, data: bytes, surfaces: list[Surface] | None) -> list[Triangles]:
-    import trimesh  # imported here, as it takes longer than reading most files
+    import trimesh  # imported here, since the import takes longer than reading most files
 
     with quiet_trimesh():
         try:
@@ -105,7 +105,7 @@ def _read(path: Path, data: bytes, surfaces: list[Surface] | None) -> list[Trian
 
 
 class _Beside:
-    """What a mesh names, by trimesh's protocol: from its folder or below it."""
+    """A resolver, in the protocol of trimesh, of files that a mesh names: they must lie in its folder or below."""
 
     def __init__(self, path: Path):
         self.path = path
@@ -120,7 +120,7 @@ class _Beside:
 
 
 def _body(scene: Any, node: str, surfaces: list[Surface] | None) -> Triangles | None:
-    """The node's triangles in the scene's frame, mirrored ones right side out; None for points and lines."""
+    """Returns the triangles of the node in the frame of the scene, with the outside kept if mirrored; None for points and lines."""
     matrix, name = scene.graph[node]
     geometry = scene.geometry[name]
     faces = getattr(geometry, "faces", None)
@@ -162,12 +162,12 @@ def _material(material: Any, screen: Callable[[np.ndarray], np.ndarray]) -> Mate
     texture = getattr(material, "baseColorTexture", None)
     texture = getattr(material, "image", None) if texture is None else texture
     if texture is not None:
-        texture.load()  # a damaged one fails here, in words
+        texture.load()  # a damaged picture fails here, with a message
     return Material(str(material.name or ""), tuple(screen(shares[:3]).tolist()), texture, float(shares[3]))
 
 
 def _shares(numbers: ArrayLike) -> np.ndarray:
-    """Colours as shares of 1; whole numbers count up to the largest of their type."""
+    """Returns colours as fractions of 1; integers are divided by the largest value of their type."""
     given = np.asarray(numbers)
     return as_shares(given, np.iinfo(given.dtype).max if given.dtype.kind in "iu" else 1.0)
 
@@ -185,7 +185,7 @@ def _joined(bodies: list[Triangles]) -> Triangles:
 
 
 def _joined_looks(bodies: list[Triangles]) -> Looks:
-    """The looks of all bodies; those that name the same material share it."""
+    """Returns the looks of all bodies; bodies with equal materials share one material."""
     materials: dict[tuple[object, ...], Material] = {}
     material_of, colours = [], None
     for body in bodies:

@@ -1,4 +1,4 @@
-"""COLLADA: trimesh reads the bodies; what it passes over is looked for in the XML, and told."""
+"""COLLADA: trimesh reads the bodies; the XML is searched for what trimesh skips, and this is reported."""
 
 from pathlib import Path
 from urllib.parse import unquote
@@ -14,7 +14,7 @@ _PRIMITIVES = ("triangles", "polylist", "polygons", "tristrips", "trifans")
 
 
 def read_dae(path: Path, data: bytes) -> Triangles:
-    """As read_bodies; notes say which bodies and looks are not read. Raises MeshError where no body is, with the reason."""
+    """Like read_bodies; notes report the bodies and looks that are not read. Raises MeshError, with the reason, if no body can be read."""
     require_package(path)
     try:
         elements = list(ElementTree.fromstring(data).iter())
@@ -31,7 +31,7 @@ def read_dae(path: Path, data: bytes) -> Triangles:
 
 
 def _require_points(path: Path, elements: list[Element]) -> None:
-    """Refuse numbers with the decimal comma of a country, which would end the list that they stand in."""
+    """Refuses numbers with the decimal comma of some countries, which would end the list of numbers."""
     number = next((word for each in _named(elements, "float_array") for word in (each.text or "").split() if "," in word), None)
     if number:
         raise MeshError(f"{path}: has numbers with a decimal comma, such as {number}; wanted decimal points (export in an English locale)")

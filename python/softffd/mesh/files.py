@@ -1,4 +1,4 @@
-"""Meshes read from files and written: nothing damaged comes through, every fault is one clear paragraph."""
+"""Reads and writes mesh files; damaged files are refused, and every fault is reported in one clear paragraph."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -26,14 +26,14 @@ _READERS = {
 }  # fmt: skip
 _WRITERS = {".stl": write_stl, ".ply": write_ply, ".glb": write_glb}
 _SOUPS = (".stl", ".dae", ".glb", ".gltf")
-"""Kinds whose triangles share no corners as they are read."""
+"""Kinds of files whose triangles share no vertices as they are read, so that load_mesh merges equal ones."""
 
 _FARTHEST_TEXEL = 1e9
 _SCENES = (".glb", ".gltf", ".dae", ".3mf")
 _KINDS = ", ".join(ending[1:].upper() for ending in _READERS)
 
 WRITTEN, READ = (".obj", *_WRITERS), tuple(_READERS)
-"""Endings of the files that are written, and read."""
+"""Endings of the file names that can be written, and read."""
 
 _TO_Z_UP = {
     "x": np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]),
@@ -44,14 +44,14 @@ _TO_Z_UP = {
 
 
 def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
-    """Return the mesh of an OBJ, STL, PLY, GLB, glTF, OFF, COLLADA or 3MF file, the last two with the packages of softffd[meshes].
+    """Returns the mesh of an OBJ, STL, PLY, GLB, glTF, OFF, COLLADA or 3MF file, the last two with the packages of softffd[meshes].
 
-    scale: metres per unit of the file, > 0. With 1 a mesh that is likely in another unit says so where it is printed.
-    up: the axis of the file, "x", "y" or "z", that becomes +z, by a rotation. Polygons become triangles, several bodies
-    one mesh; vertices that no face uses are left out (they would widen the lattice's box), the others keep the file's
-    order. In STL, COLLADA and glTF, which repeat a vertex for each triangle or normal, those of one position and looks
-    become one.
-    Raises MeshError for a missing, damaged, empty, flat or otherwise unusable file, saying what is wrong.
+    scale: metres per unit of the file, > 0. With scale 1, a mesh that is likely in another unit reports this when it is printed.
+    up: the axis of the file, "x", "y" or "z", that a rotation turns into +z.
+    Polygons become triangles, and several bodies become one mesh. Vertices that no face uses are left out, since they would widen the box
+    of the lattice; the others keep the order of the file. STL, COLLADA and glTF repeat a vertex for each triangle or normal: vertices with
+    equal positions and looks are merged.
+    Raises MeshError, with the reason, for a missing, damaged, empty, flat or otherwise unusable file.
     """
     path = Path(path)
     _require_axis(path, up)
@@ -74,13 +74,13 @@ def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
 
 
 def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = None, up: str = "z", decimals: int = 9) -> None:
-    """Write `mesh` as OBJ, STL, PLY or GLB, with its looks: all in OBJ and GLB, pictures inside GLB and beside OBJ with NAME.mtl;
-    colours and one picture beside it in PLY, where materials have no names and groups are not; nothing in STL.
+    """Writes `mesh` as OBJ, STL, PLY or GLB. OBJ and GLB keep all looks; pictures lie inside a GLB, and beside an OBJ with NAME.mtl. PLY
+    keeps colours and one picture beside it, but no names of materials and no groups. STL keeps no looks.
 
-    vertices: (V, 3) m, written in place of the mesh's own, as deform returns them.
-    up: the axis of the file that stands for +z, as for load_mesh ("y" for programs that follow glTF's habit).
-    decimals: of the numbers in an OBJ file; the other formats hold single precision.
-    Raises MeshError where the ending is none of the four or the file cannot be written.
+    vertices: (V, 3) [m], written in place of the vertices of the mesh, as `deform` returns them.
+    up: the axis of the file that stands for +z, as for load_mesh ("y" for programs that follow the convention of glTF).
+    decimals: number of decimals in an OBJ file; the other formats hold single precision.
+    Raises MeshError if the ending is none of the four or the file cannot be written, and ValueError for `vertices` of another shape.
     """
     path = Path(path)
     _require_known_ending(path, WRITTEN)
@@ -105,12 +105,12 @@ def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = Non
 
 
 def placed(mesh: Mesh, *, scale: float, up: str) -> Mesh:
-    """Return the mesh in metres and with +z up, as load_mesh gives it with `scale` and `up`."""
+    """Returns the mesh in metres with +z up, as load_mesh would with `scale` and `up`."""
     return replace(mesh, vertices=scale * (mesh.vertices @ _TO_Z_UP[up].T), doubt="")
 
 
 def _merged(read: Triangles, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of the used vertices, (U,): which of the kept ones each becomes, and the kept ones, first at their place with their looks."""
+    """Merges used vertices (U,) of equal position and looks: returns the kept vertex of each (U,), and the kept (first) vertices."""
     index, _ = merge_by_position(read.vertices[used])
     keys = [index[:, None].astype(float), *(each[used] for each in (read.uv, read.looks.colours) if each is not None)]
     merged, first = first_of_each(np.hstack(keys))
@@ -118,7 +118,7 @@ def _merged(read: Triangles, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _read(path: Path) -> Triangles:
-    """The file's triangles, by its ending."""
+    """Returns the triangles of the file; the ending of the name decides the reader."""
     _require_known_ending(path, READ)
     try:
         data = path.read_bytes()
@@ -132,7 +132,7 @@ def _read(path: Path) -> Triangles:
         raise MeshError(f"{path}: the file is empty (0 bytes); wanted a mesh")
     if data.startswith(b"version https://git-lfs"):
         raise MeshError(f"{path}: is a pointer of Git LFS in place of the mesh; wanted the mesh itself, which 'git lfs pull' fetches")
-    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused by name, later
+    with np.errstate(invalid="ignore", over="ignore"):  # later checks refuse values that are not finite
         read = _READERS[path.suffix.lower()](path, data)
         if read.uv is None or (placed := np.abs(read.uv) < _FARTHEST_TEXEL).all():
             return read
@@ -170,7 +170,7 @@ def _first_not_finite(vertices: np.ndarray) -> str:
 
 
 def _require_body(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:
-    """Refuse what has no extent in some direction, or no area anywhere."""
+    """Refuses a mesh without extent along some axis, or without any area."""
     extent = np.ptp(vertices, axis=0)
     if not np.isfinite(extent).all() or extent.max() > 1e100:
         raise MeshError(f"{path}: spans {extent.tolist()} m; wanted coordinates of a sensible size")

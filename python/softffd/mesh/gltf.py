@@ -1,6 +1,6 @@
-"""glTF 2.0, binary (GLB) and text: what would be read wrongly in its JSON is refused, what can be said more plainly is; trimesh reads that.
+"""glTF 2.0, binary (GLB) and text. The JSON is simplified before trimesh reads the file; content that would be read wrongly is refused.
 
-What is left out has a note.
+Content that is left out is reported in a note.
 """
 
 import json
@@ -22,16 +22,16 @@ _READ = {
     *("KHR_texture_transform", "KHR_texture_basisu", "EXT_texture_webp"),
     *("KHR_lights_punctual", "KHR_xmp_json_ld", "KHR_animation_pointer"),
 }
-"""Extensions that a file may require beside those of materials: they are read, told in a line, or change neither shape nor colour."""
+"""Extensions that a file may require beside those of materials: they are read, or reported, or change neither shape nor colour."""
 
 _GLOSSY, _TRANSFORM, _INSTANCES = "KHR_materials_pbrSpecularGlossiness", "KHR_texture_transform", "EXT_mesh_gpu_instancing"
 _FLOAT, _TRIANGLES, _TRIANGLE_FAN = 5126, 4, 6
 
 
 def read_glb(path: Path, data: bytes) -> Triangles:
-    """Return the triangles of all bodies of the file's scene, each in its place.
+    """Returns the triangles of all bodies of the scene of the file, each in its place.
 
-    Raises MeshError for damaged files, and for what is not read: compressed or sparse ones, skins, morphs and instances.
+    Raises MeshError for damaged files, and for content that is not read: compressed or sparse data, skins, morph targets and instances.
     """
     end = _end_of_json(path, data)
     header = _parsed(path, data[20:end])
@@ -39,7 +39,7 @@ def read_glb(path: Path, data: bytes) -> Triangles:
 
 
 def read_gltf(path: Path, data: bytes) -> Triangles:
-    """As read_glb, for the text with its data inside or in files beside it."""
+    """Like read_glb, for the text form, whose data lie inside or in files beside it."""
     header = _parsed(path, data)
     version = header.get("asset", {}).get("version") if isinstance(header.get("asset"), dict) else None
     if not str(version).startswith("2"):
@@ -53,14 +53,14 @@ def _read(path: Path, header: dict[str, Any], packed: Callable[[], bytes]) -> Tr
 
 
 def glb_file(header: dict[str, Any], rest: bytes) -> bytes:
-    """The bytes of a GLB file. rest: the blocks behind that of the JSON."""
+    """Returns the bytes of a GLB file. rest: the blocks that follow the block of the JSON."""
     text = json.dumps(header, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     return struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON") + text + rest
 
 
 def _end_of_json(path: Path, data: bytes) -> int:
-    """Where the JSON ends in a container whose parts are all there."""
+    """Returns the position of the end of the JSON in a GLB container. Raises MeshError if the container is not complete."""
     version, length, chunk = (int.from_bytes(data[at : at + 4], "little") for at in (4, 8, 12))
     if data[:4] != b"glTF":
         raise MeshError(f"{path}: not a GLB file: wanted one that begins with b'glTF', got {data[:4]!r}")
@@ -76,7 +76,7 @@ def _end_of_json(path: Path, data: bytes) -> int:
 
 def _parsed(path: Path, text: bytes) -> dict[str, Any]:
     try:
-        header = json.loads(text)  # in UTF-8, UTF-16 or UTF-32, with a byte order mark or without
+        header = json.loads(text)  # UTF-8, UTF-16 or UTF-32, with or without a byte order mark
     except (ValueError, RecursionError):
         header = None
     if not isinstance(header, dict):
@@ -85,9 +85,9 @@ def _parsed(path: Path, text: bytes) -> dict[str, Any]:
 
 
 def _made_plain(path: Path, header: dict[str, Any]) -> tuple[list[Surface], list[str]]:
-    """Change the header to what trimesh reads rightly; its materials' looks beside their pictures, and what is left out.
+    """Changes the header into one that trimesh reads correctly; returns the surfaces of its materials, and notes on what is left out.
 
-    Each material is called by its number in the list. Raises MeshError for what is not read, or where this is no glTF scene.
+    Each material is renamed to its number in the list. Raises MeshError for content that is not read, or if this is no glTF scene.
     """
     try:
         _require_readable(path, header)
@@ -103,7 +103,7 @@ def _made_plain(path: Path, header: dict[str, Any]) -> tuple[list[Surface], list
 
 
 def _require_readable(path: Path, header: dict[str, Any]) -> None:
-    """Refuse what says where vertices are in ways that are not read."""
+    """Refuses content that determines the positions of vertices in ways that are not read."""
     used, required = (set(header.get(key, [])) for key in ("extensionsUsed", "extensionsRequired"))
     nodes, meshes = [node for node in header.get("nodes", []) if "mesh" in node], header.get("meshes", [])
     weights = [(meshes[node["mesh"]], node.get("weights", meshes[node["mesh"]].get("weights", []))) for node in nodes]
@@ -124,7 +124,7 @@ def _require_readable(path: Path, header: dict[str, Any]) -> None:
 
 
 def _require_plain_numbers(path: Path, header: dict[str, Any], primitives: list[dict[str, Any]]) -> None:
-    """Refuse vertices and corners that trimesh would read as zeros, or in other units."""
+    """Refuses vertices and corners that trimesh would read as zeros, or in other units."""
     accessors = header.get("accessors", [])
     drawn = [p for p in primitives if p.get("mode", _TRIANGLES) >= _TRIANGLES]
     attributes = [p["attributes"] for p in drawn]
@@ -147,7 +147,7 @@ def _refuse(path: Path, found: dict[str, str]) -> None:
 
 
 def _give_scene(header: dict[str, Any]) -> None:
-    """All roots are the scene where there is none. Cameras go, since trimesh would take their nodes' children out of place."""
+    """Makes all root nodes the scene if there is none. Removes cameras, since trimesh would misplace the children of their nodes."""
     nodes = header.get("nodes", [])
     for node in nodes:
         node.pop("camera", None)
@@ -169,13 +169,13 @@ def _plain_material(number: int, material: dict[str, Any]) -> Surface:
     turn, (across, down) = float(given.get("rotation", 0.0)), map(float, given.get("scale", (1.0, 1.0)))
     moved = np.array(given.get("offset", (0.0, 0.0)), dtype=float).reshape(2)
     cos, sin = math.cos(turn), math.sin(turn)
-    # the picture's coordinates turn counter-clockwise as seen, with v down, after they are scaled
+    # texture coordinates (v down) are scaled first, then turned counter-clockwise as seen
     matrix = np.array([[cos * across, sin * down], [-sin * across, cos * down]])
     return Surface(name, matrix, moved, int(given.get("texCoord", texture.get("texCoord", 0))))
 
 
 def _use_coordinates(primitive: dict[str, Any], surfaces: list[Surface]) -> None:
-    """trimesh reads the first set alone: it becomes that of the base colour's picture."""
+    """Makes the texture coordinates of the base colour's picture the first set, since trimesh reads only the first set."""
     attributes = primitive["attributes"]
     wanted = surfaces[primitive["material"]].coordinates if "material" in primitive else 0
     if wanted != 0:

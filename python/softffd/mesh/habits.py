@@ -1,4 +1,4 @@
-"""What a kind of mesh file says, or its habit is, of unit and up axis."""
+"""Unit and up axis of a mesh file: as given in the file, else as usual for its kind."""
 
 import math
 from pathlib import Path
@@ -12,18 +12,18 @@ UNITS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 WORDS = {"m": "metres", "cm": "centimetres", "mm": "millimetres", "in": "inches", "ft": "feet"}
 
 LONGEST_IN_METRES = 20.0
-"""A mesh whose largest side is more units than these is taken as millimetres where nobody says."""
+"""A mesh without a given unit is taken to be in millimetres if its longest side exceeds this number of units."""
 
 _UP = {".obj": "y", ".ply": "y", ".glb": "y", ".gltf": "y", ".dae": "y"}
-"""Of the others it is z."""
+"""Usual up axis by kind of file; z for other kinds."""
 
 _3MF = {"micron": 1e-6, "millimeter": 1e-3, "centimeter": 1e-2, "inch": 0.0254, "foot": 0.3048, "meter": 1.0}
 
 
 class Habit(NamedTuple):
-    """metres: per unit of the file, where it or its kind says so, else None. up: its up axis; said: whether the file says that.
+    """metres: metres per unit, if the file or its kind defines the unit, else None. up: the up axis. said: True if the file gives the axis.
 
-    wrong: the unit that the file gives and that is none.
+    wrong: the text of an unknown unit in the file, else empty.
     """
 
     metres: float | None
@@ -33,19 +33,19 @@ class Habit(NamedTuple):
 
 
 def likely_unit(longest: float) -> str:
-    """The unit, "m" or "mm", of a file that does not say, by the longest side of its mesh [units]."""
+    """Returns the likely unit, "m" or "mm", of a file without a unit, from the longest side of its mesh [units]."""
     return "m" if longest <= LONGEST_IN_METRES else "mm"
 
 
 def words_of(metres: float) -> str:
-    """A unit of so many metres in words."""
+    """Returns the name of a unit of `metres` metres."""
     return next((WORDS[key] for key, each in UNITS.items() if each == metres), f"units of {metres:g} m")
 
 
 def doubt(habit: Habit, longest: float) -> str:
-    """Where the file is likely not in metres, as which it was read: its unit in words, and the scale that says so.
+    """Returns a hint, with the unit and the `scale` to give, if the file was read as metres but is likely in another unit; else "".
 
-    longest: side of the mesh [units].
+    longest: longest side of the mesh [units].
     """
     metres = habit.metres or UNITS[likely_unit(longest)]
     if metres == 1.0:
@@ -54,7 +54,7 @@ def doubt(habit: Habit, longest: float) -> str:
 
 
 def habit_of(path: Path) -> Habit:
-    """The habit of a mesh file that load_mesh has read."""
+    """Returns the habit of a mesh file that load_mesh has read."""
     kind = path.suffix.lower()
     if kind == ".3mf":
         unit = _unit_of_3mf(path)
@@ -66,7 +66,7 @@ def habit_of(path: Path) -> Habit:
 
 
 def _collada(data: bytes) -> Habit:
-    """By its asset; without one a unit is a metre and y is up. Some programs write the decimal mark of their country."""
+    """Reads the <asset> element; without it the unit is the metre and y is up. Some programs write a decimal comma."""
     root = ElementTree.fromstring(data)
     unit = root.find("{*}asset/{*}unit")
     text = "1" if unit is None else unit.attrib.get("meter", "1")
@@ -83,6 +83,6 @@ def _collada(data: bytes) -> Habit:
 def _unit_of_3mf(path: Path) -> str:
     with ZipFile(path) as archive:
         name = next(name for name in archive.namelist() if name.lower().endswith("3dmodel.model"))
-        with archive.open(name) as stream:  # the root alone is read
+        with archive.open(name) as stream:  # only the root element is read
             _, root = next(ElementTree.iterparse(stream, ("start",)))
             return root.attrib.get("unit", "millimeter")

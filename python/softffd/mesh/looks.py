@@ -1,4 +1,4 @@
-"""How a mesh looks: materials and groups of its faces, colours of its vertices."""
+"""The looks of a mesh: materials and groups of its faces, colours of its vertices."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 Colour = tuple[float, float, float]
-"""As on a screen (sRGB), 0 .. 1."""
+"""Red, green and blue (sRGB), 0 .. 1."""
 
 
 class Picture(Protocol):
-    """An image of Pillow, which is imported with files that have one."""
+    """An image of Pillow, which is imported only for files that have one."""
 
     def convert(self, mode: str) -> Any: ...
 
@@ -21,7 +21,7 @@ class Picture(Protocol):
 
 
 class Material(NamedTuple):
-    """What faces are made of. colour: times the texture's; None: the file says none. opacity: 0 .. 1, written but not shown."""
+    """A material of faces. colour: multiplies the texture; None if the file gives none. opacity: 0 .. 1, written but not shown."""
 
     name: str = ""
     colour: Colour | None = None
@@ -30,7 +30,7 @@ class Material(NamedTuple):
 
 
 class Group(NamedTuple):
-    """A part of the mesh by the names that its file gives; without a name ""."""
+    """The names of a part of the mesh in its file; "" for a missing name."""
 
     object: str = ""
     group: str = ""
@@ -38,8 +38,8 @@ class Group(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Looks:
-    """materials and groups, with the index that each face has of them, (F,), or None without any. colours: (V, 3) of the
-    vertices, sRGB, 0 .. 1, times those of the materials, or None. notes: what of the file's looks was not kept, a line each."""
+    """materials and groups, and for each face the index of its material and its group, (F,), or None. colours: (V, 3), sRGB, 0 .. 1, of the
+    vertices, multiplied by those of the materials, or None. notes: one line for each part of the looks of the file that was not kept."""
 
     materials: tuple[Material, ...] = ()
     material_of: np.ndarray | None = field(default=None, repr=False)
@@ -49,25 +49,25 @@ class Looks:
     notes: tuple[str, ...] = ()
 
     def and_notes(self, *notes: str) -> Looks:
-        """These with more notes, those that say something."""
+        """Returns the looks with more notes; empty notes are dropped."""
         return replace(self, notes=(*self.notes, *filter(None, notes)))
 
     def with_vertices(self, chosen: np.ndarray) -> Looks:
-        """Those of the mesh with the chosen vertices, indices (W,), in place of its own."""
+        """Returns the looks of the mesh whose vertices are replaced by the chosen ones, given by indices (W,)."""
         return self if self.colours is None else replace(self, colours=self.colours[chosen])
 
     def with_faces(self, chosen: np.ndarray) -> Looks:
-        """Those of the mesh with the chosen faces, indices (G,), in place of its own."""
+        """Returns the looks of the mesh whose faces are replaced by the chosen ones, given by indices (G,)."""
         materials, groups = (None if index is None else index[chosen] for index in (self.material_of, self.group_of))
         return replace(self, material_of=materials, group_of=groups)
 
     @property
     def textures(self) -> list[Picture]:
-        """The images in use, each once."""
+        """The images that the materials use, each once."""
         return list({id(each.texture): each.texture for each in self.materials if each.texture is not None}.values())
 
     def apart(self, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
-        """Vertices that each have one material: which vertex (W,) each copies, its material (W,) or None, and the faces (F, 3) of them."""
+        """Splits vertices so that each has one material. Returns original vertices (W,), materials (W,) or None, faces (F, 3)."""
         if self.material_of is None:
             return np.arange(faces.max(initial=-1) + 1), None, faces
         pairs = faces * len(self.materials) + self.material_of[:, None]
@@ -76,11 +76,11 @@ class Looks:
 
 
 PLAIN = Looks()
-"""Nothing is said of looks."""
+"""Looks without any information."""
 
 
 def from_face_colours(colours: np.ndarray) -> Looks:
-    """Looks of faces with a colour each, (F, 3), 0 .. 1: a material for each colour, called after it."""
+    """Returns looks with one material, named after its colour, for each different face colour (F, 3), 0 .. 1."""
     shades, index = np.unique(np.round(255 * colours).clip(0, 255).astype(np.int64), axis=0, return_inverse=True)
     names = ["colour_" + "".join(f"{channel:02x}" for channel in shade) for shade in shades.tolist()]
     materials = tuple(Material(name, tuple((shade / 255).tolist())) for name, shade in zip(names, shades, strict=True))
@@ -88,18 +88,18 @@ def from_face_colours(colours: np.ndarray) -> Looks:
 
 
 def as_shares(numbers: ArrayLike, whole: float | None = None) -> np.ndarray:
-    """Colours 0 .. 1 of numbers up to `whole`, by default up to 255 where any is above 1; what is no number counts 0."""
+    """Returns colours 0 .. 1 from numbers up to `whole`, by default 255 if any number exceeds 1, else 1. NaN counts as 0."""
     given = np.nan_to_num(np.asarray(numbers, dtype=float))
     return (given / (whole or (255.0 if given.max(initial=0) > 1 else 1.0))).clip(0, 1)
 
 
 def to_screen(linear: np.ndarray) -> np.ndarray:
-    """sRGB of amounts of light, 0 .. 1."""
+    """Converts linear light, 0 .. 1, into sRGB, 0 .. 1."""
     linear = np.asarray(linear, dtype=float).clip(0, 1)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
 def to_light(screen: np.ndarray) -> np.ndarray:
-    """Amounts of light of sRGB, 0 .. 1."""
+    """Converts sRGB, 0 .. 1, into linear light, 0 .. 1."""
     screen = np.asarray(screen, dtype=float).clip(0, 1)
     return np.where(screen <= 0.04045, screen / 12.92, ((screen + 0.055) / 1.055) ** 2.4)

@@ -14,10 +14,10 @@ from softffd.mesh.normals import merge_by_position
 class Mesh:
     """Triangles in space.
 
-    vertices: (V, 3) m. faces: (F, 3) indices of vertices, counter-clockwise seen from outside.
-    uv: (V, 2) texture coordinates, (0, 0) the image's lower left corner, or None. A vertex where the texture
-    has a seam is there once for each side. texture: the image, or None. name: for messages and file names.
-    doubt: the unit and scale that are more likely than metres, or nothing; for those who print the mesh.
+    vertices: (V, 3) [m]. faces: (F, 3) indices of vertices, counter-clockwise seen from outside.
+    uv: (V, 2) texture coordinates, with (0, 0) at the lower left corner of the image, or None. A vertex on a seam of the texture exists
+    once for each side. texture: the only image of the mesh, or None. name: for messages and file names.
+    doubt: unit and scale that are more likely than metres, or ""; printed with the mesh. Raises ValueError for arrays of wrong shapes.
     """
 
     vertices: np.ndarray
@@ -60,20 +60,20 @@ class Mesh:
 
     @property
     def bounds(self) -> np.ndarray:
-        """Lower and upper corner of the bounding box, (2, 3) m."""
+        """Lower and upper corner of the bounding box, (2, 3) [m]."""
         return np.stack(bounding_box(self.vertices))
 
     @property
     def closed(self) -> bool:
-        """Whether the surface encloses a volume: every edge is run through equally often in both directions.
+        """True if the surface encloses a volume: the faces pass every edge equally often in both directions.
 
-        Judged on positions, so seams of the texture leave no gap.
+        Vertices at equal positions count as one, so seams of the texture leave no gap.
         """
         return self.open_edges == 0
 
     @cached_property
     def open_edges(self) -> int:
-        """Number of edges without a partner that runs the other way; 0 for a closed surface."""
+        """Number of edges that the faces do not pass equally often in both directions; 0 for a closed surface."""
         index, _ = merge_by_position(self.vertices)
         return _unbalanced_edges(index[self.faces])
 

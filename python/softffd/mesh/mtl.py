@@ -1,4 +1,4 @@
-"""Wavefront MTL: of each material its colour (Kd), picture (map_Kd) and opacity; read for OBJ, and written."""
+"""Wavefront MTL: the colour (Kd), picture (map_Kd) and opacity of each material; read and written for OBJ files."""
 
 import re
 from collections.abc import Iterable
@@ -12,11 +12,11 @@ from softffd.spelling import few
 _PLACING = {"-s", "-o", "-t"}
 _TAKES_A_WORD = {"-colorspace", "-imfchan", "-type"}
 _COMMENT = re.compile(r"\s+#(?!\d+$).*")
-"""`Material #25` is a name, `red # of the roof` one with a comment."""
+"""`Material #25` is a name, `red # of the roof` is a name with a comment."""
 
 
 class Library:
-    """The materials of an OBJ file's libraries, read from the folder beside it, and what of them cannot be kept."""
+    """The materials of the libraries of an OBJ file, read from the folder of that file, and notes on what cannot be kept."""
 
     def __init__(self, folder: Path):
         self._folder = folder
@@ -26,7 +26,7 @@ class Library:
         self.notes: list[str] = []
 
     def read(self, names: str) -> None:
-        """Read what follows `mtllib`: a file's name, or several."""
+        """Reads the files that a `mtllib` record names: one file, or several."""
         whole = (names.strip('"'), without_comment(names).strip('"'))
         several = next(([name] for name in whole if found_beside(self._folder, name, anywhere=True)), whole[1].split())
         for name in several:
@@ -49,7 +49,7 @@ class Library:
                 record[key.lower()] = value.strip()
 
     def materials(self, names: Iterable[str]) -> tuple[Material, ...]:
-        """The materials of these names; `notes` then tells what they lack."""
+        """Returns the materials of these names; adds to `notes` what they lack."""
         names = [name if name in self._records else without_comment(name) for name in names]
         materials = tuple(self._material(name) for name in names)
         unknown = [name for name in names if name and name not in self._records]
@@ -98,12 +98,12 @@ class Library:
 
 
 def without_comment(name: str) -> str:
-    """The name up to a comment behind it."""
+    """Returns the name without a comment that follows."""
     return _COMMENT.sub("", name)
 
 
 def mtl_text(materials: Iterable[tuple[str, Material]], files: dict[int, str]) -> str:
-    """An MTL file of materials with their names; files: the names of the textures by their id()."""
+    """Returns the text of an MTL file of materials with names. files: file name of each texture by its id()."""
     lines = []
     for name, material in materials:
         lines.append(f"newmtl {name}")
@@ -117,7 +117,7 @@ def mtl_text(materials: Iterable[tuple[str, Material]], files: dict[int, str]) -
 
 
 def _colour(value: str) -> Colour | None:
-    """Of three numbers, or one for all three; None for a spectrum."""
+    """Returns a colour from three numbers, or one number for all three; None for other values, such as a spectrum."""
     numbers = [_number(word) for word in value.split()[:3]]
     if not numbers or any(map(isnan, numbers)):
         return None

@@ -1,4 +1,4 @@
-"""Normals that shade a surface well: smooth across gentle edges, sharp across creases."""
+"""Normals for shading a surface: smooth across gentle edges, sharp across creases."""
 
 from collections.abc import Iterator
 
@@ -12,8 +12,8 @@ BLOCK = 1 << 15
 class ShadingNormals:
     """Normals per face corner: smooth across gentle edges, sharp across creases of more than 40 degrees.
 
-    Which faces a corner averages over is decided once, at rest: shading does not flicker while the object bends.
-    Vertices at equal positions count as one, and a neighbour wound the other way round counts with its sign turned.
+    The faces over which a corner averages are chosen once, at rest, so that the shading does not flicker while the object bends.
+    Vertices at equal positions count as one, and a neighbour of opposite winding counts with the opposite sign.
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray):
@@ -24,7 +24,7 @@ class ShadingNormals:
         self._corner, self._face, self._sign = (np.concatenate(parts) for parts in zip(*kept, strict=True))
 
     def corners(self, vertices: np.ndarray) -> np.ndarray:
-        """Unit normals (F, 3, 3) of the corners of every face, for vertices (V, 3) [m] in any deformed state."""
+        """Returns the unit normals (F, 3, 3) of the corners of all faces for vertices (V, 3) [m] in any deformed state."""
         normals = area_vectors(vertices[self._faces])
         count = 3 * len(self._faces)
         sums = [np.bincount(self._corner, self._sign * normals[self._face, a], minlength=count) for a in range(3)]
@@ -34,9 +34,9 @@ class ShadingNormals:
 def split_at_creases(
     vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """An indexed surface whose vertices each have one normal, of the corners' (F, 3, 3) or of those at rest.
+    """Returns an indexed surface whose vertices have one normal each, from corner normals (F, 3, 3), by default those of the vertices.
 
-    Returns for its W >= V vertices the vertex that each copies (W,) and the unit normal (W, 3); and its faces (F, 3).
+    The result has W vertices, W >= V if all are in use: the original vertex of each (W,), its unit normal (W, 3), and the faces (F, 3).
     """
     normals = (ShadingNormals(vertices, faces).corners(vertices) if normals is None else normals).reshape(-1, 3)
     grid = np.round(normals * 500.0).astype(np.int64) + 512
@@ -46,19 +46,19 @@ def split_at_creases(
 
 
 def face_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Unit normals (F, 3) of the triangles; zero for a triangle without area."""
+    """Returns the unit normals (F, 3) of the triangles; zero for a triangle without area."""
     return unit(area_vectors(vertices[faces]))
 
 
 def area_vectors(corners: np.ndarray) -> np.ndarray:
-    """Normals (F, 3) of triangles of these corners (F, 3, 3), twice as long as their areas."""
+    """Returns the normals (F, 3) of triangles with corners (F, 3, 3); the length of a normal is twice the area."""
     a, b, c = corners.transpose(1, 0, 2)
     return np.cross(b - a, c - a)
 
 
 def cut_triangles(corners: np.ndarray, height: np.ndarray) -> np.ndarray:
-    """Triangles (G, 3, c) that each lie on one side of the height 0: of triangles (F, 3, c) with heights (F, 3) of their corners, those
-    that cross it in three parts, one at the corner that is alone on its side, two on the other. The c numbers are linear between."""
+    """Cuts triangles (F, 3, c) with corner heights (F, 3) at the height 0 into triangles (G, 3, c) on one side each. A crossing triangle
+    becomes three: one at the corner that is alone on its side, two on the other side. The c numbers are interpolated linearly."""
     crossing = (height.min(axis=1) < 0) & (height.max(axis=1) > 0)
     kept, corners, height = corners[~crossing], corners[crossing], height[crossing]
     above = height > 0
@@ -71,15 +71,15 @@ def cut_triangles(corners: np.ndarray, height: np.ndarray) -> np.ndarray:
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
-    """Vectors (..., 3) as long as 1; 0 remains."""
+    """Returns the vectors (..., 3) scaled to length 1; zero vectors remain zero."""
     length = np.sqrt(np.einsum("...a,...a->...", vectors, vectors))[..., None]
     return vectors / np.where(length > 0, length, 1.0)
 
 
 def _neighbouring_corners(faces: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """All pairs of face corners (3 f + k) at the same vertex, each with itself too, in blocks that bound the memory.
+    """Yields all pairs of face corners (3 f + k) at the same vertex, including each corner with itself, in blocks that bound the memory.
 
-    A corner of a fan of more than FAN_LIMIT triangles is alone: the pairs grow with the square of the fan.
+    A corner in a fan of more than FAN_LIMIT triangles is paired only with itself, since the pairs grow with the square of the fan.
     """
     vertex = faces.ravel()
     order = np.argsort(vertex, kind="stable")
@@ -94,7 +94,7 @@ def _neighbouring_corners(faces: np.ndarray) -> Iterator[tuple[np.ndarray, np.nd
 
 
 def _gentle(corner: np.ndarray, other: np.ndarray, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of the pairs those without a crease between: corner, face of the other corner, sign of its winding."""
+    """Returns the pairs without a crease between them: corner, face of the other corner, sign of the winding of that face."""
     cosine = np.einsum("pa,pa->p", direction[corner // 3], direction[other // 3])
     kept = (np.abs(cosine) > CREASE) | (corner == other)
     sign = np.where(cosine[kept] < 0, -1, 1).astype(np.int8)
@@ -102,9 +102,9 @@ def _gentle(corner: np.ndarray, other: np.ndarray, direction: np.ndarray) -> tup
 
 
 def merge_by_position(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return index (V,) and positions (U, 3) with vertices = positions[index], to 1e-8 of the extent.
+    """Returns index (V,) and positions (U, 3) with vertices = positions[index], up to about 1e-8 of the extent.
 
-    vertices: (V, 3) m. The positions are those of each first vertex, in its order.
+    vertices: (V, 3) [m]. Each position is that of the first vertex there; the positions keep the order of these vertices.
     """
     if not len(vertices):
         return np.zeros(0, dtype=np.int64), vertices
@@ -114,7 +114,7 @@ def merge_by_position(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def first_of_each(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which of the different rows each of N >= 1 rows (N, c) is, (N,), and where each of these comes first, (U,), in this order."""
+    """Returns for N >= 1 rows (N, c) the number of its distinct row (N,), and the first occurrence (U,) of each distinct row, ascending."""
     order = np.lexsort(rows.T)
     new = np.append(True, (rows[order[1:]] != rows[order[:-1]]).any(axis=1))
     first = order[new]

@@ -1,7 +1,7 @@
-"""Wavefront OBJ: runs of records that are alike at once, all others line by line.
+"""Wavefront OBJ: runs of similar records are read at once, all other records line by line.
 
-Read here and not by trimesh, which takes index 0 for vertex 1, counts relative indices from the end of the file,
-passes over faces of two corners and lines it does not know, and splits vertices by their normals.
+trimesh is not used, since it takes index 0 for vertex 1, counts relative indices from the end of the file, ignores faces of two corners
+and unknown lines, and splits vertices by their normals.
 """
 
 import sys
@@ -19,9 +19,9 @@ from softffd.mesh.polygons import Triangles, assemble, damaged, decoded, plain_t
 
 
 def read_obj(path: Path, data: bytes) -> Triangles:
-    """Return the triangles of an OBJ file, with materials, groups, and colours of vertices (six numbers after `v`).
+    """Returns the triangles of an OBJ file, with materials, groups, and colours of vertices (six numbers after `v`).
 
-    Corners without texture coordinates in a file that has some get (0, 0). Raises MeshError with the line of the fault.
+    Corners without texture coordinates get (0, 0) if other corners have some. Raises MeshError with the line of the fault.
     """
     records, number = _Records(path), 1
     data = plain_text(data).removesuffix(b"\0").removesuffix(b"\x1a")
@@ -38,21 +38,21 @@ def read_obj(path: Path, data: bytes) -> Triangles:
 T = TypeVar("T")
 
 _NAMING = {b"mtllib", b"usemtl", b"o", b"g"}
-"""Records whose rest of the line is a name, with `#` and blanks."""
+"""Records in which the rest of the line is a name, which may contain `#` and blanks."""
 
 _FACE = bytes.maketrans(b"f/", b"0 ")
-"""Makes numbers of faces: 0, which is no index, begins one."""
+"""Turns the text of faces into numbers: each face begins with 0, which is no valid index."""
 
 _MARKS = {bytes([mark]) for mark in b"$!%&*;@~"}
-"""Lines that begin so are other programs' comments."""
+"""Lines that begin with one of these characters are comments of other programs."""
 
 
 class _Records:
-    """The records met so far. Indices are kept from 0; a corner without texture coordinate has -1."""
+    """The records read so far. Stored indices count from 0; a corner without texture coordinates has -1."""
 
     def __init__(self, path: Path):
         self.path = path
-        self.vertices, self.texels = array("d"), array("d")  # one after the other, three and two numbers each
+        self.vertices, self.texels = array("d"), array("d")  # flat: three numbers for each vertex, two for each texel
         self.corners: list[int] = []
         self.texel_corners: list[int] = []
         self.counts: list[int] = []
@@ -60,7 +60,7 @@ class _Records:
         self.colours: dict[int, list[float]] = {}
         self.library = Library(path.parent)
         self.passed_over: list[int] = []
-        self.material, self.group = "", Group()  # of the faces that follow
+        self.material, self.group = "", Group()  # apply to the faces that follow
         self.materials: list[str] = []
         self.groups: list[Group] = []
 
@@ -76,7 +76,7 @@ class _Records:
             self.group = self.group._replace(group=without_comment(name))
 
     def read_alike(self, key: bytes, first: int, lines: list[bytes]) -> bool:
-        """Read lines of one key, the first of number `first`, at once; False, with nothing read, where they are not alike."""
+        """Reads lines of one key at once, which start at line `first`. Returns False, with nothing read, if their forms differ."""
         if key == b"f":
             return self._read_faces(first, lines)
         if key not in (b"v", b"vt") or (rows := _rows(lines, 3 if key == b"v" else 2)) is None:
@@ -90,7 +90,7 @@ class _Records:
         return True
 
     def _read_faces(self, first: int, lines: list[bytes]) -> bool:
-        """Read faces whose corners are all written one way, "1", "1/1", "1//1" or "1/1/1"."""
+        """Reads faces whose corners all have one form: "1", "1/1", "1//1" or "1/1/1". Returns False, with nothing read, otherwise."""
         text = b" ".join(lines)
         marks, corners = text.translate(None, b"0123456789").split(), len(text.split()) - len(lines)
         slashes = {*marks} - {b"f"}
@@ -127,7 +127,7 @@ class _Records:
         key = words[0]
         try:
             if key == b"v":
-                if len(words) in (7, 8):  # the last of 8 is opacity
+                if len(words) in (7, 8):  # the last of 8 words is the opacity
                     self.colours[len(self.vertices) // 3] = _numbers(words[4:7], 3)
                 self.vertices.extend(_numbers(words[1:4], 3))
             elif key == b"f":
@@ -177,7 +177,7 @@ class _Records:
         return looks.and_notes(f"lines that are no records of OBJ: {len(self.passed_over)}, the first is line {self.passed_over[0]}")
 
     def _vertex_colours(self) -> np.ndarray | None:
-        """White where a vertex has none; of 0 .. 255 in files that count so."""
+        """Returns colours (V, 3), 0 .. 1, white for vertices without a colour, or None; files may also count 0 .. 255."""
         if not self.colours:
             return None
         colours = np.ones((len(self.vertices) // 3, 3))
@@ -186,14 +186,14 @@ class _Records:
 
 
 def _numbered(values: list[T], nothing: T) -> tuple[tuple[T, ...], np.ndarray | None]:
-    """The different values in their order, and the index that each has of them; none where all are nothing."""
+    """Returns the distinct values in order of appearance, and the index of each value; ((), None) if all values are `nothing`."""
     numbers: dict[T, int] = {}
     index = np.array([numbers.setdefault(value, len(numbers)) for value in values], dtype=np.int64)
     return (tuple(numbers), index) if set(numbers) - {nothing} else ((), None)
 
 
 def _rows(lines: list[bytes], least: int) -> np.ndarray | None:
-    """The numbers after the key of each line, (lines, least or more); None where lines differ, or have more than numbers."""
+    """Returns the numbers after the key of each line, (lines, >= least); None if the lines differ, or have words that are no numbers."""
     words = b" ".join(lines).split()
     each = len(words) // len(lines)
     if len(words) % len(lines) or each <= least or len({*words[::each]}) > 1:
@@ -215,7 +215,7 @@ def _numbers(words: list[bytes], least: int) -> list[float]:
 
 
 def _from_zero(word: bytes, count: int) -> int:
-    """The index from 0 of a reference that counts from 1, or backwards from the `count` records so far."""
+    """Returns the index from 0 of a reference that counts from 1, or backwards (< 0) from the end of the `count` records read so far."""
     try:
         index = int(word)
     except ValueError:

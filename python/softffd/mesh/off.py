@@ -1,6 +1,6 @@
-"""OFF, text: vertices, then polygons, with colours of either.
+"""OFF, text: vertices, then polygons, either with colours.
 
-Read here and not by trimesh, which takes a file that is cut off for a smaller mesh, and passes over colours.
+trimesh is not used, since it reads a file that is cut off as a smaller mesh, and ignores colours.
 """
 
 import re
@@ -16,9 +16,9 @@ _KIND = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?(?:OFF|off)(?=[\s\d])")
 
 
 def read_off(path: Path, data: bytes) -> Triangles:
-    """Return the triangles of an OFF file of a record a line, with its colours (COFF, or numbers after a polygon).
+    """Returns the triangles of an OFF file with one record a line, with its colours (COFF, or numbers after a polygon).
 
-    Raises MeshError where the file ends early, or a face refers to no vertex.
+    Raises MeshError if the file ends early, has wrong numbers, or has a face that refers to no vertex.
     """
     try:
         return _triangles(re.sub(rb"#[^\n\r]*", b"", plain_text(data)).lstrip())
@@ -47,7 +47,7 @@ def _triangles(text: bytes) -> Triangles:
 
 
 def _face_looks(words: list[list[bytes]]) -> Looks:
-    """Of three or four numbers after a face; a face without is white. One number would be a place in a table that nobody has."""
+    """Reads colours of three or four numbers after a face; other faces are white. One number would be an index into an unknown table."""
     coloured = [number for number, row in enumerate(words) if len(row) in (3, 4)]
     if not coloured:
         return PLAIN
@@ -57,7 +57,7 @@ def _face_looks(words: list[list[bytes]]) -> Looks:
 
 
 def _whole(numbers: np.ndarray) -> np.ndarray:
-    """Counts, each 0 or more."""
+    """Returns the numbers as integers. Raises ValueError if one is no whole number >= 0."""
     if not ((numbers >= 0) & (numbers < 2**40) & (numbers == np.round(numbers))).all():
         raise ValueError("a count is no whole number from 0 on")
     return numbers.astype(np.int64)

@@ -1,7 +1,7 @@
-"""PLY, text and binary: the header says what follows, and is held to its word.
+"""PLY, text and binary: the header describes the data, and the data must agree with the header.
 
-Read here and not by trimesh, which takes faces that refer to no vertex, and numbers that the header does not
-announce, without a word, and gives up on binary files that mix triangles with other polygons.
+trimesh is not used, since it silently accepts faces that refer to no vertex and numbers that the header does not announce, and fails on
+binary files that mix triangles with other polygons.
 """
 
 from dataclasses import replace
@@ -36,7 +36,7 @@ class _Element(NamedTuple):
 
 
 class _Lists(NamedTuple):
-    """A list property of all records: `counts` (N,) and the `values` of all of them one after another."""
+    """A list property of all records: `counts` (N,), and the `values` of all records one after another."""
 
     counts: np.ndarray
     values: np.ndarray
@@ -49,11 +49,11 @@ class _Header(NamedTuple):
 
 
 def read_ply(path: Path, data: bytes) -> Triangles:
-    """Return the triangles of a PLY file, faces and strips, with the texture coordinates of vertices or of faces' corners.
+    """Returns the triangles of a PLY file, faces and strips, with the texture coordinates of its vertices or of the corners of its faces.
 
-    Colours are those of vertices times those of faces, or pictures that lie beside it.
+    Colours are those of vertices multiplied by those of faces, or pictures that lie beside the file.
 
-    Raises MeshError where the data are fewer than the header says, or a text's are more, or a face refers to no vertex.
+    Raises MeshError if the data are fewer than the header says, if a text has more, or if a face refers to no vertex.
     """
     try:
         header, rest = _read_header(plain_text(data))
@@ -96,7 +96,7 @@ def _read_header(data: bytes) -> tuple[_Header, bytes]:
 
 
 class _Numbers:
-    """What follows the header, taken from the front on; all numbers of a text are doubles."""
+    """The data after the header, read from the front to the back; all numbers of a text are doubles."""
 
     def __init__(self, body: bytes, order: str):
         self._body, self._order, self._at = body, order, 0
@@ -108,18 +108,18 @@ class _Numbers:
 
     @property
     def left(self) -> int:
-        """Bytes."""
+        """Number of bytes not yet read."""
         return len(self._body) - self._at
 
     def kind(self, type_: str) -> str:
-        """Of one number of a type of the header, as it is held."""
+        """Returns the numpy type in which a number of a type of the header is stored here."""
         return self._order + type_ if self._order else "f8"
 
     def size(self, type_: str) -> int:
         return int(self.kind(type_)[-1])
 
     def take(self, types: list[str], counts: list[int], records: int) -> list[np.ndarray]:
-        """The next `records` records, each of groups of so many numbers of one type; arrays (records, count)."""
+        """Reads the next `records` records. A record has one group of `count` numbers for each type; returns arrays (records, count)."""
         groups = list(zip(types, counts, strict=True))
         size, start = records * sum(self.size(type_) * count for type_, count in groups), self._at
         if size > self.left:
@@ -130,21 +130,21 @@ class _Numbers:
         return [table[f"f{n}"] for n in range(len(groups))]
 
     def go_back(self, to_left: int) -> None:
-        """To where so much was left."""
+        """Moves back to the position at which `to_left` bytes were left."""
         self._at = len(self._body) - to_left
 
 
 def _read_element(numbers: _Numbers, element: _Element) -> dict[str, np.ndarray | _Lists]:
-    """The element's properties by name: (N,) for a number, _Lists for a list."""
+    """Returns the properties of the element by name: (N,) for a number, _Lists for a list."""
     if element.records == 0 or not element.properties:
         return {}
-    if element.records > numbers.left // sum(numbers.size(p.count_type or p.type) for p in element.properties):  # every list empty
+    if element.records > numbers.left // sum(numbers.size(p.count_type or p.type) for p in element.properties):  # empty lists
         raise ValueError(f"the header promises {element.records} records '{element.name}', more than the file has room for")
     return _read_alike(numbers, element) or _read_one_by_one(numbers, element)
 
 
 def _read_alike(numbers: _Numbers, element: _Element) -> dict[str, np.ndarray | _Lists] | None:
-    """All records at once if their lists are as long as the first one's; else None, with nothing consumed."""
+    """Reads all records at once if their lists are as long as those of the first record; else returns None, with nothing read."""
     start = numbers.left
     sizes = [len(values) for values in _read_record(numbers, element)]
     numbers.go_back(start)
@@ -203,7 +203,7 @@ def _triangles(path: Path, header: _Header, records: dict[str, Any]) -> Triangle
 
 
 def _faces(face: dict[str, Any], strips: dict[str, Any]) -> _Lists:
-    """The corners of the polygons, and of the triangles of strips, which follow them."""
+    """Returns the corners of the polygons, followed by those of the triangles of strips."""
     found = [records.get("vertex_indices", records.get("vertex_index")) for records in (face, strips)]
     polygons, strip = (each if isinstance(each, _Lists) else _Lists(np.zeros(0, np.int64), np.zeros(0)) for each in found)
     values = np.concatenate([polygons.values.astype(np.int64), _unstripped(strip).reshape(-1)])
@@ -211,7 +211,7 @@ def _faces(face: dict[str, Any], strips: dict[str, Any]) -> _Lists:
 
 
 def _unstripped(strips: _Lists) -> np.ndarray:
-    """Triangles (T, 3) of strips: each three neighbours in a row, every second one turned round; -1 begins a strip anew."""
+    """Returns the triangles (T, 3) of strips: every three consecutive corners, each second triangle reversed; -1 starts a new strip."""
     corners = strips.values.astype(np.int64)
     begins = np.zeros(len(corners) + 1, dtype=bool)
     begins[0], begins[np.cumsum(strips.counts)] = True, True
@@ -222,11 +222,11 @@ def _unstripped(strips: _Lists) -> np.ndarray:
     turned = (first - begin[first]) % 2
     triangles = np.stack([corners[first], corners[first + 1 + turned], corners[first + 2 - turned]], axis=1)
     a, b, c = triangles.T
-    return triangles[(a != b) & (b != c) & (c != a)]  # corners given twice only turn the strip
+    return triangles[(a != b) & (b != c) & (c != a)]  # a repeated corner only reverses the strip
 
 
 def _texels(vertex: dict[str, Any], face: dict[str, Any], faces: _Lists) -> tuple[np.ndarray | None, np.ndarray | None]:
-    """Texture coordinates, of the corners (rare) or of the vertices, and each corner's index into them."""
+    """Returns the texture coordinates of the corners (rare) or of the vertices, and the index of each corner into them."""
     wedge = face.get("texcoord")
     if isinstance(wedge, _Lists) and np.array_equal(wedge.counts, 2 * faces.counts):
         texels, index = np.unique(wedge.values.astype(float).reshape(-1, 2), axis=0, return_inverse=True)
@@ -238,7 +238,7 @@ def _texels(vertex: dict[str, Any], face: dict[str, Any], faces: _Lists) -> tupl
 
 
 def _face_looks(folder: Path, header: _Header, face: dict[str, Any], faces: int, placed: bool) -> Looks:
-    """Materials of the faces: pictures, where they are `placed` by texture coordinates, or the faces' own colours."""
+    """Returns the materials of the faces: pictures, if texture coordinates exist (`placed`), else the colours of the faces."""
     colours = _colours(header, "face", face)
     if header.textures and placed:
         files = [found_beside(folder, name, anywhere=True) for name in header.textures]
@@ -253,7 +253,7 @@ def _face_looks(folder: Path, header: _Header, face: dict[str, Any], faces: int,
 
 
 def _colours(header: _Header, element: str, records: dict[str, Any]) -> np.ndarray | None:
-    """Colours (N, 3), 0 .. 1, of an element's records; None where they have none."""
+    """Returns the colours (N, 3), 0 .. 1, of the records of an element; None if they have none."""
     for names in _COLOUR_NAMES:
         if set(names) <= records.keys() and not any(isinstance(records[name], _Lists) for name in names):
             kind = next(p.type for e in header.elements if e.name == element for p in e.properties if p.name == names[0])

@@ -1,4 +1,4 @@
-"""What a mesh file holds, polygons with their texture coordinates apart, and how triangles are made of it."""
+"""Triangles from the contents of a mesh file, which are polygons with separate texture coordinates; files beside a mesh."""
 
 import os
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
@@ -15,11 +15,11 @@ from softffd.mesh.looks import PLAIN, Looks, Picture
 from softffd.mesh.normals import area_vectors
 
 SMALL = 1e-9
-"""An area that is less, as a share of the polygon's, is none."""
+"""A smaller area, as a fraction of that of the polygon, counts as zero."""
 
 
 class Triangles(NamedTuple):
-    """What every reader returns: vertices (V, 3), faces (F, 3), uv (V, 2) or None, looks."""
+    """The result of every reader: vertices (V, 3), faces (F, 3), uv (V, 2) or None, looks."""
 
     vertices: np.ndarray
     faces: np.ndarray
@@ -34,13 +34,13 @@ def assemble(
     positions: np.ndarray, corners: ArrayLike, counts: ArrayLike, *, texels: np.ndarray | None = None,
     texel_corners: ArrayLike | None = None, looks: Looks = PLAIN, called: Callable[[int], str] = "face {} (from 0)".format, first: int = 0,
 ) -> Triangles:  # fmt: skip
-    """Return triangles that share a vertex where position and texture coordinate are the same.
+    """Returns triangles; corners with equal position index and texture coordinate index share a vertex.
 
-    positions: (P, 3). corners: (C,) indices of positions, one polygon after another. counts: (F,) corners of
-    each, >= 3. texels: (Q, 2) texture coordinates and texel_corners: (C,) indices of them, or both None.
-    looks: of the polygons and positions. called: what the file has as the n-th polygon, and first: where it counts from, for messages.
-    Raises ValueError where a polygon has fewer than three corners or refers to nothing.
-    A polygon of c corners becomes c - 2 triangles: a fan about its first corner where that covers it, else ears.
+    positions: (P, 3). corners: (C,) indices of positions, one polygon after another. counts: (F,) corners of each polygon, >= 3.
+    texels: (Q, 2) texture coordinates and texel_corners: (C,) indices of texels, or both None. looks: of the polygons and positions.
+    For messages: called(n) names the n-th polygon in the file, and first is the number of the first record of the file.
+    Raises ValueError if a polygon has fewer than three corners, or refers to a missing vertex or texture coordinate.
+    A polygon of c corners becomes c - 2 triangles: a fan about its first corner if the fan covers the polygon, else ears.
     The vertices keep the order of `positions`.
     """
     sizes, places = np.asarray(counts, dtype=np.int64), np.asarray(corners, dtype=np.int64)
@@ -71,14 +71,14 @@ def assemble(
 
 
 def plain_text(data: bytes) -> bytes:
-    """A text without its byte order mark; one in UTF-16 becomes UTF-8."""
+    """Returns a text without its byte order mark; a text in UTF-16 is converted to UTF-8."""
     if data.startswith((BOM_UTF16_LE, BOM_UTF16_BE)):
         return data.decode("utf-16", errors="replace").encode()
     return data.removeprefix(BOM_UTF8)
 
 
 def decoded(name: bytes) -> str:
-    """A name in UTF-8, else in Latin-1, which has a letter for every byte."""
+    """Decodes a name from UTF-8, else from Latin-1, which has a character for every byte."""
     try:
         return name.decode()
     except UnicodeDecodeError:
@@ -86,22 +86,22 @@ def decoded(name: bytes) -> str:
 
 
 def beside(folder: Path, name: str) -> Path | None:
-    """The file that a mesh in the folder names; None where that lies neither in the folder nor below it."""
+    """Returns the path of a file that a mesh in the folder names; None if the path lies neither in the folder nor below it."""
     file = Path(os.path.normpath(folder / name.replace("\\", "/")))
     return file if "\0" not in name and file.is_relative_to(os.path.normpath(folder)) else None
 
 
 def found_beside(folder: Path, name: str, *, anywhere: bool = False) -> Path | None:
-    """The same where the file is there, by its name, or as in addresses with %20 for a blank; of names in folders that may be anywhere the
-    last part counts."""
+    """Returns the path of `beside` if the file exists under its name or its URL-decoded name (%20 for a blank), else None. With `anywhere`
+    the last part of the name, without its folders, is tried instead of the decoded name."""
     names = (name, name.replace("\\", "/").rpartition("/")[2]) if anywhere else (name, unquote(name))
     files = (beside(folder, each) for each in names)
     return next((file for file in files if file is not None and file.is_file()), None)
 
 
 def open_texture(file: Path) -> Picture | None:
-    """Return the image, or None where it is missing or damaged: a mesh without its picture still deforms."""
-    from PIL import Image  # only files with a texture pay for the import
+    """Returns the image, or None if it is missing or damaged: a mesh without its picture can still be deformed."""
+    from PIL import Image  # imported only for files with a texture
 
     try:
         with Image.open(file) as image:
@@ -112,13 +112,13 @@ def open_texture(file: Path) -> Picture | None:
 
 
 def damaged(path: Path, fault: str) -> MeshError:
-    """Return the error for a file that contradicts itself; `fault` says where and how."""
+    """Returns the error for a damaged or inconsistent file; `fault` says where and how."""
     kind = path.suffix[1:].upper()
     return MeshError(f"{path}: damaged or cut off: {fault}. Wanted a complete {kind} file; export it again.")
 
 
 def _fans(counts: np.ndarray) -> np.ndarray:
-    """Corner numbers of the triangles of all polygons, shape (T, 3)."""
+    """Returns the corner numbers (T, 3) of the triangles of the fans of all polygons."""
     each = counts - 2
     first = np.repeat(np.cumsum(counts) - counts, each)
     step = np.arange(len(first)) - np.repeat(np.cumsum(each) - each, each)
@@ -126,11 +126,11 @@ def _fans(counts: np.ndarray) -> np.ndarray:
 
 
 def _cut_concave(positions: np.ndarray, counts: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, int]:
-    """Return the triangles (T, 3) of all polygons, and the number of polygons that no cutting covers: they cross themselves.
+    """Returns the triangles (T, 3) of all polygons, and the number of polygons that cross themselves, so that no cutting covers them.
 
-    positions: (C, 3) of the corners, one polygon after another. counts: (F,) corners of each. triangles: (T, 3) numbers of corners,
-    the fans. They are kept where all triangles of a fan look the way of their polygon, which then are as large as it; so are fans of
-    polygons that have no area or are not finite. Others are cut into ears, which may be slow: n^2 for n corners.
+    positions: (C, 3) of the corners, one polygon after another. counts: (F,) corners of each polygon. triangles: (T, 3) corner numbers of
+    the fans. A fan is kept if all its triangles point the way of the polygon, since their areas then sum to its area; fans of polygons
+    without area or with non-finite corners are kept too. Other polygons are cut into ears; for n corners this may take n^2 time.
     """
     each = counts - 2
     many = np.flatnonzero(np.repeat(each > 1, each))
@@ -147,7 +147,7 @@ def _cut_concave(positions: np.ndarray, counts: np.ndarray, triangles: np.ndarra
 
 
 def _seen_along(normal: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """The corners in a plane, (n, 2), in which they run counter-clockwise; sides of the order of 1."""
+    """Projects the corners onto a plane, (n, 2), in which they run counter-clockwise; the result is scaled to sides of order 1."""
     normal = normal / np.linalg.norm(normal)
     across = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
     across /= np.linalg.norm(across)
@@ -156,9 +156,9 @@ def _seen_along(normal: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def _ears(places: np.ndarray) -> tuple[list[tuple[int, int, int]], bool]:
-    """Triangles of the polygon, and whether each was an ear: it turns left and nothing lies in it.
+    """Returns the triangles of the polygon, and whether each triangle was an ear: it turns left and no corner lies inside it.
 
-    Where no ear is left, corners without area go first (spikes, and the ends of bridges to holes), then what turns left the most.
+    If no ear is left, corners without area are cut first (spikes, and ends of bridges to holes), then the corner that turns left the most.
     """
     n = len(places)
     after, before, here = [*range(1, n), 0], [n - 1, *range(n - 1)], np.ones(n, dtype=bool)
@@ -184,7 +184,7 @@ def _ears(places: np.ndarray) -> tuple[list[tuple[int, int, int]], bool]:
             turn[end] = _turns(places[before[end]], places[end], places[after[end]])
         for end in (a, c):
             (ears.add if _is_ear(end, before, after, places, turn, here, least) else ears.discard)(end)
-        corner = after[c]  # not the neighbour, or a circle would become a fan of slivers
+        corner = after[c]  # skips the neighbour; otherwise a circle would become a fan of slivers
     return triangles, sound
 
 
@@ -199,5 +199,5 @@ def _is_ear(corner: int, before: list[int], after: list[int], places: np.ndarray
 
 
 def _turns(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-    """Twice the areas of the triangles, > 0 where they turn left."""
+    """Returns twice the signed areas of the triangles, > 0 where they turn left."""
     return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])

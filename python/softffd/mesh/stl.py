@@ -1,4 +1,4 @@
-"""STL, binary and text: a bag of triangles that share nothing, so equal corners are merged by the caller."""
+"""STL, binary and text: the triangles share no vertices, so the caller merges equal corners."""
 
 import re
 from pathlib import Path
@@ -13,10 +13,10 @@ _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribut
 
 
 def read_stl(path: Path, data: bytes) -> Triangles:
-    """Return the triangles of an STL file, three vertices each.
+    """Returns the triangles of an STL file, with three vertices each.
 
-    What follows the promised triangles, and colours, are left out with a note.
-    Raises MeshError where the data are fewer than promised, or a text's facets are not whole.
+    Colours, and data after the promised triangles, are left out with a note.
+    Raises MeshError if there are fewer triangles than the header promises, or if a facet of a text is not complete.
     """
     promised = int.from_bytes(data[80:_HEAD], "little") if len(data) >= _HEAD else None
     rest = -1 if promised is None else len(data) - _HEAD - promised * _RECORD.itemsize
@@ -46,7 +46,7 @@ def _soup(corners: np.ndarray) -> Triangles:
 
 
 def _text_triangles(path: Path, data: bytes) -> Triangles:
-    """Those of a text file whose facets are all whole."""
+    """Returns the triangles of a text file. Raises MeshError if a facet is not complete."""
     rows = [words for words in (line.split() for line in data.lower().splitlines()) if words]
     keys = [words[0] for words in rows]
     facets, ends = keys.count(b"facet"), keys.count(b"endfacet")

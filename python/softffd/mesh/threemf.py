@@ -1,4 +1,4 @@
-"""3MF: trimesh reads the bodies; what it would put together wrongly or leave out is looked for before."""
+"""3MF: trimesh reads the bodies; the archive is first searched for parts that trimesh would assemble wrongly or leave out."""
 
 import zlib
 from io import BytesIO
@@ -12,21 +12,21 @@ from softffd.mesh.polygons import Triangles, damaged
 from softffd.spelling import few
 
 _MOST, _RATIO = 100_000_000, 100
-"""Bytes, and times the archive's own size: an archive that unpacks to more than both is no mesh."""
+"""Bytes, and multiple of the size of the archive: an archive that unpacks to more than both is refused."""
 
 _EXTENSIONS = ("/production/", "/material/", "/trianglesets/")
-"""Parts of the names of extensions that change no shape, or are read."""
+"""Parts of the names of extensions that are read, or that change no shape."""
 
 
 def read_3mf(path: Path, data: bytes) -> Triangles:
-    """As read_bodies; notes say that colours are not read, and which bodies are missing. Raises MeshError also for what is not read."""
+    """Like read_bodies; notes report unread colours and missing bodies. Raises MeshError also for content that is not read."""
     require_package(path)
     try:
         with ZipFile(BytesIO(data)) as archive:
             return _read(path, data, archive)
     except (BadZipFile, zlib.error, EOFError, OSError, ElementTree.ParseError, ValueError, LookupError) as fault:
         raise damaged(path, f"its parts cannot be unpacked or read ({fault})") from None
-    except RuntimeError as fault:  # of zipfile, for passwords and other ways of packing
+    except RuntimeError as fault:  # raised by zipfile for passwords and unknown packing methods
         raise MeshError(f"{path}: is packed in a way that is not read ({fault}); wanted a plain archive") from None
 
 
@@ -68,7 +68,7 @@ def _require_extensions(path: Path, archive: ZipFile, main: str) -> None:
 
 
 def _parts(archive: ZipFile, name: str) -> tuple[list[str], list[tuple[str, str]], bool]:
-    """The numbers of a model's objects, those that it puts together (number, other file or ""), and whether it has colours."""
+    """Returns the object numbers of a model, its references to objects (number, other file or ""), and whether it has colours."""
     objects, references, coloured = [], [], False
     with archive.open(name) as stream:
         for _, element in ElementTree.iterparse(stream):
@@ -86,7 +86,7 @@ def _parts(archive: ZipFile, name: str) -> tuple[list[str], list[tuple[str, str]
 
 
 def _require_own_parts(path: Path, archive: ZipFile, references: list[tuple[str, str]]) -> None:
-    """Refuse parts in other files, but for those that trimesh takes in rightly: one object each, used once, with a number of its own."""
+    """Refuses parts in other files, unless trimesh reads them correctly: one object a file, used once, with a number of its own."""
     outer = [(number, file) for number, file in references if file]
     files, numbers = ([each[place] for each in outer] for place in (1, 0))
     plain = len(set(files)) == len(files) and len(set(numbers)) == len(numbers)

@@ -1,4 +1,4 @@
-"""Meshes as files: each keeps of the looks what its kind can hold."""
+"""Writes meshes as files; each kind of file keeps the looks that it can hold."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -14,11 +14,11 @@ from softffd.mesh.mtl import mtl_text
 from softffd.mesh.normals import ShadingNormals, split_at_creases
 
 Column = tuple[Sequence[str], str, np.ndarray]
-"""Names of properties, their type, values (N, properties)"""
+"""Names of properties, their type, and their values (N, properties)."""
 
 
 def write_obj(mesh: Mesh, path: Path, vertices: np.ndarray, decimals: int) -> None:
-    """Write an OBJ file; materials go beside it as NAME.mtl, pictures as NAME.png, or NAME_1.png and so on."""
+    """Writes an OBJ file; materials go beside it as NAME.mtl, pictures as NAME.png, or NAME_1.png and so on."""
     looks, lines = mesh.looks, []
     names = _own_names(looks.materials)
     if looks.materials:
@@ -41,7 +41,7 @@ def write_obj(mesh: Mesh, path: Path, vertices: np.ndarray, decimals: int) -> No
 
 
 def write_ply(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
-    """Write a binary PLY file with the colours of vertices and of materials; a picture goes beside it, where there is one alone."""
+    """Writes a binary PLY file with the colours of vertices and materials; a single picture goes beside it, several are not written."""
     looks, head = mesh.looks, ["ply", "format binary_little_endian 1.0"]
     columns: list[Column] = [("xyz", "f4", vertices)]
     if mesh.uv is not None:
@@ -60,7 +60,7 @@ def write_ply(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
 
 
 def write_stl(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
-    """Write a binary STL file: triangles alone."""
+    """Writes a binary STL file, with triangles only."""
     import trimesh
 
     with quiet_trimesh():
@@ -68,12 +68,12 @@ def write_stl(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
 
 
 def write_glb(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
-    """Write a GLB file: a body for each part of one group and one material, with its picture inside."""
+    """Writes a GLB file: one body for each part of one group and one material, with its picture inside."""
     write_bytes(path, glb_of((name or None, body) for name, _, body in glb_bodies(mesh, vertices)))
 
 
 def glb_of(bodies: Iterable[tuple[str | None, Any]]) -> bytes:
-    """A GLB file of trimesh's bodies with their names."""
+    """Returns the bytes of a GLB file of named trimesh bodies."""
     import trimesh
 
     with quiet_trimesh():
@@ -84,7 +84,7 @@ def glb_of(bodies: Iterable[tuple[str | None, Any]]) -> bytes:
 
 
 def glb_bodies(mesh: Mesh, vertices: np.ndarray) -> Iterator[tuple[str, np.ndarray, Any]]:
-    """Name, which vertex each of its own copies (W,), and trimesh's body of each part of one group and one material."""
+    """Yields for each part of one group and one material: name, original vertex of each of its vertices (W,), and trimesh body."""
     import trimesh
 
     normals = _normals(mesh, vertices)
@@ -96,12 +96,12 @@ def glb_bodies(mesh: Mesh, vertices: np.ndarray) -> Iterator[tuple[str, np.ndarr
 
 
 def _normals(mesh: Mesh, vertices: np.ndarray) -> np.ndarray:
-    """Unit normals (F, 3, 3) of the corners of every face; what is a crease is decided by the mesh at rest."""
+    """Returns the unit normals (F, 3, 3) of the corners of all faces; the mesh at rest decides which edges are creases."""
     return ShadingNormals(mesh.vertices, mesh.faces).corners(vertices)
 
 
 def _parts(looks: Looks, faces: int) -> list[tuple[str, np.ndarray]]:
-    """Names and faces of the parts, in the order of their first faces."""
+    """Returns the names and faces of the parts, in the order of their first faces."""
     group_of, material_of = (np.zeros(faces, dtype=np.int64) if i is None else i for i in (looks.group_of, looks.material_of))
     keys, first, part_of = np.unique(group_of * max(1, len(looks.materials)) + material_of, return_index=True, return_inverse=True)
     groups = looks.groups or (Group(),)
@@ -110,7 +110,7 @@ def _parts(looks: Looks, faces: int) -> list[tuple[str, np.ndarray]]:
 
 
 def _visual(looks: Looks, uv: np.ndarray | None) -> Any:
-    """Of a part that has one material."""
+    """Returns the trimesh visual of a part that has one material."""
     from trimesh.visual import ColorVisuals, TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
@@ -128,7 +128,7 @@ def _visual(looks: Looks, uv: np.ndarray | None) -> Any:
 
 
 def _faces(mesh: Mesh, corners: list[str], normals: list[list[int]], names: list[str]) -> list[str]:
-    """The faces in their order, with the object, group and material before those that change it."""
+    """Returns the face records in order; object, group and material records stand before the faces at which they change."""
     pairs = zip(mesh.faces.tolist(), normals, strict=True)
     lines = [f"f {corners[a]}/{n} {corners[b]}/{m} {corners[c]}/{k}" for (a, b, c), (n, m, k) in pairs]
     looks = mesh.looks
@@ -137,7 +137,7 @@ def _faces(mesh: Mesh, corners: list[str], normals: list[list[int]], names: list
         was = Group()
         for face in _changes(looks.group_of):
             group = looks.groups[looks.group_of[face]]
-            words = Group(*(" ".join(name.split()) for name in group))  # a name of several lines would be records
+            words = Group(*(" ".join(name.split()) for name in group))  # a name with line breaks would be read as records
             marks = [f"o {words.object}"] * (group.object != was.object) + [f"g {words.group}"] * (group.group != was.group)
             was, before[face] = group, marks
     if looks.material_of is not None:
@@ -147,12 +147,12 @@ def _faces(mesh: Mesh, corners: list[str], normals: list[list[int]], names: list
 
 
 def _changes(index: np.ndarray) -> list[int]:
-    """Faces whose entry is not that of the face before."""
+    """Returns the first face, and the faces whose entry differs from that of the face before."""
     return [0, *(np.flatnonzero(np.diff(index)) + 1).tolist()]
 
 
 def _own_names(materials: tuple[Material, ...]) -> list[str]:
-    """A name for each material that no other has, and that is no comment."""
+    """Returns a unique name for each material, without `#`, which would start a comment."""
     names: list[str] = []
     for material in materials:
         name = " ".join(material.name.replace("#", "_").split()) or "none"
@@ -161,7 +161,7 @@ def _own_names(materials: tuple[Material, ...]) -> list[str]:
 
 
 def _write_textures(looks: Looks, path: Path) -> dict[int, str]:
-    """Write the pictures beside the mesh; their files' names by id()."""
+    """Writes the pictures beside the mesh; returns their file names by id() of the picture."""
     images, files = looks.textures, {}
     for number, image in enumerate(images, 1):
         file = path.with_suffix(".png") if len(images) == 1 else path.with_name(f"{path.stem}_{number}.png")
@@ -181,7 +181,7 @@ def _properties(columns: list[Column]) -> list[str]:
 
 
 def _packed(columns: list[Column]) -> bytes:
-    """The columns as records one after another, little-endian."""
+    """Returns the columns as consecutive little-endian records."""
     record = np.dtype([(f"f{n}", f"<{kind}", (values.shape[1],)) for n, (_, kind, values) in enumerate(columns)])
     table = np.empty(len(columns[0][2]), record)
     for n, (_, _, values) in enumerate(columns):

@@ -1,4 +1,4 @@
-"""How a run goes from communication point to communication point: the points, and the steps between them.
+"""The communication points of a run, and the steps from each point to the next.
 
 The library does many steps in one call where no Python is needed between them (fmu_src/fmi/calls/many_steps.hpp).
 """
@@ -24,13 +24,13 @@ from softffd.installed import library_function
 from softffd.run.simulation import Simulation
 
 GIVEN_BY = {"communication step": "--step H, in Python step=H", "stop time": "--stop-time T, in Python stop_time=T"}
-"""How a user gives what an FMU has no default for."""
-NUMBERS = ("Real", "Integer", "Boolean")  # kinds of variables that a result has; Booleans are 0 and 1 there
-PATIENCE = 0.02  # a call of the library takes about so long [s]: after it Ctrl-C is heard
+"""How a user gives a value for which an FMU has no default."""
+NUMBERS = ("Real", "Integer", "Boolean")  # kinds of variables in a result, which holds Booleans as 0 and 1
+PATIENCE = 0.02  # approximate duration of a call of the library [s]; Ctrl-C takes effect after the call
 
 
 def positive(what: str, given: float | None, default: Any, *, after: float = 0.0) -> float:
-    """The given value, else the default, if it is a number > 0, or > `after` [s]; FmuError says what is wrong otherwise.
+    """Returns the given value, else the default, if it is a finite number > `after` [s]; FmuError says what is wrong otherwise.
 
     what: "communication step" or "stop time".
     """
@@ -45,8 +45,8 @@ def positive(what: str, given: float | None, default: Any, *, after: float = 0.0
 
 
 def communication_points(stop_time: float, step: float, start_time: float = 0.0, *, bytes_each: int) -> np.ndarray:
-    """The start time, multiples of step after it, and the stop time: (T,) [s]; FmuError where the values that a run keeps of all of them
-    would not fit into this machine's memory."""
+    """Returns the start time, the multiples of `step` after it, and the stop time: (T,) [s]. FmuError if the values that a run keeps of
+    all points, `bytes_each` for each point, would not fit into this machine's memory."""
     count = (stop_time - start_time) / step
     if not count * bytes_each <= memory():
         raise FmuError(
@@ -58,7 +58,7 @@ def communication_points(stop_time: float, step: float, start_time: float = 0.0,
 
 
 def memory() -> float:
-    """Of this machine [bytes]; 16 GB where it does not tell."""
+    """Returns the memory of this machine [bytes]; 16 GB if the system does not report it."""
     try:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, OSError, ValueError):
@@ -66,7 +66,7 @@ def memory() -> float:
 
 
 def step_lengths(times: np.ndarray, step: float) -> list[float]:
-    """Lengths between the times: the same double for all but a shorter last one."""
+    """Returns the lengths of the steps between the times: the same double for all steps but a shorter last one."""
     last = float(times[-1] - times[-2])
     whole = math.isclose(last, step, rel_tol=1e-9, abs_tol=4 * float(np.spacing(abs(times).max())))
     return [step] * (len(times) - 2) + [step if whole else last]
@@ -89,16 +89,17 @@ class _ManySteps(Structure):
 
 
 class Drive:
-    """The steps of a run between given times: inputs are set from rows, outputs go to rows, of numbers (T, m); again after a restart.
+    """The steps of a run between given times. Inputs are set from rows and outputs are written to rows, of numbers (T, m). After a restart
+    of the simulation, a drive can do its steps again.
 
-    Held inputs that are Reals go to the library with many steps at once; inputs of other kinds, and Booleans, are for the host.
+    The library sets held inputs that are Reals when it does many steps at once; the host sets inputs of other kinds, and reads Booleans.
     """
 
     def __init__(
         self, simulation: Simulation, times: np.ndarray, step: float, inputs: Sequence[ScalarVariable], outputs: Sequence[ScalarVariable],
         *, single: bool = False,
     ):  # fmt: skip
-        """times: (T,) [s], each a `step` [s] after the one before, the last perhaps less. single: not many steps at once."""
+        """times: (T,) [s], each a `step` [s] after the one before, the last perhaps less. single: one step in each call of the library."""
         component = self._component = simulation.component
         self._simulation, self.times, self._steps = simulation, times, np.array(step_lengths(times, step))
         self.inputs, self.input_rows = Blocks(component.calls, inputs), np.zeros((len(times), len(inputs)))
@@ -112,34 +113,34 @@ class Drive:
         self._many = _ManySteps(component.instance, *calls, times.ctypes.data, self._steps.ctypes.data)
         self._many.inputs = _Recorded.of(self._set, self.input_rows)
         self._many.reals, self._many.integers = (_Recorded.of(*self.outputs[kind]) for kind in ("Real", "Integer"))
-        self._together = 1  # how many steps at a time take about PATIENCE, as far as is known
+        self._together = 1  # number of steps that take about PATIENCE, as far as is known
 
     @property
     def done(self) -> int:
-        """Steps that are done and recorded."""
+        """Number of steps that are done and recorded."""
         return int(self._many.done)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """The outputs by name, (steps done + 1,) each."""
+        """Returns the outputs by name, (steps done + 1,) each."""
         pairs = ((block.names, rows[: self.done + 1]) for block, rows in self.outputs.values())
         return {name: column for names, rows in pairs for name, column in zip(names, rows.T, strict=True)}
 
     def fill(self, first: int, until: int) -> None:
-        """Puts the inputs of some steps into their rows; here they are there from the beginning."""
+        """Puts the inputs of some steps into their rows; here the rows hold the inputs from the beginning."""
 
     def apply(self, row: int) -> None:
-        """Hands over the inputs of a row. Those of the first one are to be handed over before the initialization ends."""
+        """Hands over the inputs of a row. The inputs of the first row have to be handed over before the initialization ends."""
         if self.inputs.names:
             self.inputs.set(self.input_rows[row])
 
     def retune(self, row: int) -> int:
-        """Hands over the tunable parameters that change in a row, and returns the next one in which some do; here they never change."""
+        """Hands over the tunable parameters that change in a row; returns the next row in which some change, here none."""
         return len(self._steps)
 
     def run(self, *, most: int | None = None) -> Iterator[int]:
-        """Does all steps of an initialized simulation; yields how many are done, at multiples of `most` at the latest.
+        """Does all steps of an initialized simulation; yields the number of steps done, at multiples of `most` at the latest.
 
-        FmuError as `Component.do_step`, where `done` is then the step before.
+        FmuError as from `Component.do_step`; `done` then counts the steps before the failure.
         """
         self._many.done, last, times = 0, len(self._steps), self.times.tolist()
         for block, rows in self.outputs.values():
@@ -162,7 +163,7 @@ class Drive:
             self._simulation.time = times[self.done]
 
     def go_on(self, until: int) -> None:
-        """Steps until so many are done, in one call of the library."""
+        """Does steps until `until` steps are done, in one call of the library."""
         begin, began = self.done, clock.perf_counter()
         with nullcontext() if self._single else _interrupted_afterwards():
             status = library_function("softffd_many_steps", c_int, POINTER(_ManySteps), c_longlong)(byref(self._many), until)
@@ -176,7 +177,7 @@ class Drive:
 
 @contextmanager
 def _interrupted_afterwards() -> Iterator[None]:
-    """Signals such as Ctrl-C wait until the end: raised where the library calls back to tell something, they would be lost."""
+    """Delays signals such as Ctrl-C until the block ends: raised while the library calls back to report, they would be lost."""
     before = {number: action for number in (signal.SIGINT, signal.SIGTERM) if callable(action := signal.getsignal(number))}
     if threading.current_thread() is not threading.main_thread() or not before:
         yield

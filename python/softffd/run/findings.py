@@ -1,4 +1,4 @@
-"""What a run found, in numbers and in words: methods and why they were taken, reactions, energies, the largest deformation."""
+"""The findings of a run, in numbers and in words: methods and the reasons for them, reactions, energies, the largest deformation."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ ENERGIES = ("kinetic", "elastic", "gravity", "dissipated", "work")
 
 
 def reactions(result: Result) -> dict[Part, np.ndarray]:
-    """Forces of the object on its obstacles and fixtures, (T, 3) [N] each; a part as text is "plane.ground" or "pin.base"."""
+    """Returns the forces of the object on its obstacles and fixtures, (T, 3) [N] each; a part as text is "plane.ground" or "pin.base"."""
     parts = [*parts_of(result.outputs, *OBSTACLES), *parts_of(result.outputs, "pin")]
     recorded = {part: vector_names("plane_reaction" if part.is_obstacle else "pin_reaction", part) for part in parts}
     whole = {part: names for part, names in recorded.items() if all(name in result.outputs for name in names)}
@@ -19,24 +19,24 @@ def reactions(result: Result) -> dict[Part, np.ndarray]:
 
 
 def energies(result: Result) -> dict[str, np.ndarray]:
-    """The recorded energies: "kinetic", "elastic", ... -> (T,) [J]."""
+    """Returns the recorded energies: "kinetic", "elastic", ... -> (T,) [J]."""
     names = {kind: variable_name(f"energy_{kind}") for kind in ENERGIES}
     return {kind: result.outputs[name] for kind, name in names.items() if name in result.outputs}
 
 
 def heights(result: Result, up: np.ndarray) -> dict[str, np.ndarray]:
-    """The lattice's highest and lowest place along `up` (3,): words -> (T,) [m]."""
+    """Returns the lattice's highest and lowest position along `up` (3,): words -> (T,) [m]."""
     along = result.positions @ np.asarray(up)
     return {"highest point": along.max(axis=(1, 2, 3)), "lowest point": along.min(axis=(1, 2, 3))}
 
 
 ESTIMATE = "solver.error_estimate"  # the output that estimates the error so far [m]
-SLOW = 0.01  # simulated time over run time, below which a run is told what makes it slow
-ROUNDING = 1e-9  # a depth that is less, as a share of the lattice's size, is none
+SLOW = 0.01  # ratio of simulated time to run time, below which the findings say what makes a run slow
+ROUNDING = 1e-9  # a deformation below this fraction of the lattice's size counts as none
 
 
 def findings(result: Result) -> dict[str, Any]:
-    """Entries for the summary: numbers by name, and `findings`, the same as lines to read, without those that are about nothing."""
+    """Returns entries for the summary: numbers by name, and `findings`, lines to read, without lines about what did not occur."""
     numbers: dict[str, Any] = {}
     lines: list[str] = []
     if ESTIMATE in result.outputs:
@@ -67,7 +67,7 @@ def findings(result: Result) -> dict[str, Any]:
 
 
 def _slowness(result: Result) -> str:
-    """What makes a run slow, and what to try; empty for one that is not."""
+    """Returns what makes a run slow, and what to try; empty for a run that is not slow."""
     if not result.summary.get("real_time_factor", 1.0) < SLOW:
         return ""
     method = next((f"; most of it by {row['method']}: {row['reason']}" for row in result.summary.get("methods", [])), "")
@@ -80,6 +80,6 @@ def _slowness(result: Result) -> str:
 
 
 def energy_gap(parts: dict[str, np.ndarray]) -> float:
-    """Largest departure of kinetic + elastic + gravity + dissipated - work from its start [J]."""
+    """Returns the largest departure of kinetic + elastic + gravity + dissipated - work from its start [J]."""
     total = np.asarray(sum(values * (-1 if name == "work" else 1) for name, values in parts.items()))
     return float(np.abs(total - total[0]).max())

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 
 def derived_velocities(now: Mapping[str, float], then: Mapping[str, float], step: float) -> dict[str, float]:
-    """Velocities that take every pose given in `now` to the one in `then` after `step` [s] and that `now` does not give itself.
+    """Returns velocities that take every pose in `now` to the pose in `then` after `step` [s], except those that `now` gives itself.
 
-    Names are those of the FMU's variables: .point of an obstacle gives .velocity, .normal or .rotation gives .angular_velocity;
-    .position and .orientation of a pin likewise. Components that are not given count as zero change for points; rotations need the
-    whole normal, rotation vector or quaternion.
+    Names are those of the FMU's variables: .point of an obstacle gives .velocity, .normal or .rotation gives .angular_velocity; .position
+    and .orientation of a pin likewise. Components of points that are not given count as unchanged; rotations need the whole normal,
+    rotation vector or quaternion.
     """
     derived: dict[str, float] = {}
     parts = dict.fromkeys((name.family, name.instance) for name in map(parse_name, now) if name)
@@ -51,56 +51,56 @@ RATES: dict[str, tuple[str, Rate]] = {
     "plane_normal": ("plane_angular_velocity", between_directions),
     "plane_rotation": ("plane_angular_velocity", lambda first, last: between_orientations(quaternion(first), quaternion(last))),
     "pin_orientation": ("pin_angular_velocity", between_orientations),
-}  # families of poses: the velocity that follows from each, and how
+}  # by family of poses: the family of velocities that follows from it, and how their change is computed
 Source = Union[Callable[[float], Mapping[str, Any]], Mapping[str, Any], np.ndarray, "pd.DataFrame", str, Path]
 
-SLACK = 1e-9  # relative difference up to which a row's time is that of a communication point: multiples of a step are rounded
+SLACK = 1e-9  # relative difference up to which a row's time equals that of a communication point: multiples of a step are rounded
 
 
 class Inputs:
     """Values of some input variables at any time.
 
-    Arrays and CSV files hold a first column `time` [s], not decreasing, and one column per variable; of a DataFrame the column `time` or
-    else the index is the time. Between rows values are linear, those of Integers and Booleans the last row's; before the first and after
-    the last row they are held. A quaternion counts as the orientation that it means, whichever sign it has. Rows of one time are a jump:
-    what begins there has the last one's values, what ends there the first one's. A callable gives values by name, the same names
-    at every time; a dict gives constants. Both give numbers or vectors.
+    Arrays and CSV files have a first column `time` [s], not decreasing, and one column per variable; in a DataFrame the column `time`, or
+    else the index, is the time. Values are linear between rows, but Integers and Booleans keep the last row's value; before the first and
+    after the last row, values are held. A quaternion counts as the orientation that it means, whichever sign it has. Rows of one time are
+    a jump: an interval that begins there has the values of the last of these rows, an interval that ends there those of the first. A
+    callable gives values by name, the same names at every time; a dict gives constants. Both give numbers or vectors.
 
-    A table may have columns of tunable parameters too, whose last row's value holds.
+    A table may also have columns of tunable parameters, which keep the last row's value.
 
     A plane or pin whose pose is given but whose velocity is not gets the velocity that takes it to its pose at the end of the
-    communication step, where that velocity is an input; a jump there moves it without velocity.
+    communication step, if that velocity is an input; a jump moves the plane or pin without velocity.
 
     Names at control points may have either form (softffd.names); `names` has the structured one.
     """
 
     def __init__(self, source: Source | None, start_time: float = 0.0):
-        """start_time: of the run [s]. FmuError where the source is none of these or its values cannot be used."""
+        """start_time: start of the run [s]. FmuError if the source has none of these types or its values cannot be used."""
         source = {} if source is None else source
         self._start = start_time
-        self.where = f"{shown(Path(source))}: " if isinstance(source, str | Path) else "inputs: "  # how messages about the source begin
+        self.where = f"{shown(Path(source))}: " if isinstance(source, str | Path) else "inputs: "  # beginning of messages about the source
         self._is_file = isinstance(source, str | Path)
         self.is_function, self._steady = callable(source), isinstance(source, Mapping)
         self._held: set[str] = set()
         self._at, self.names = _course(source, self.where, start_time, self._held)
-        self.tuned: dict[str, ScalarVariable] = {}  # tunable parameters that a table gives, by its names; known from `driven` on
+        self.tuned: dict[str, ScalarVariable] = {}  # tunable parameters that a table gives, by their names there; set by `driven`
         now = self._at(start_time, False)
         self.derived_names = list(derived_velocities(now, now, 1.0))  # velocities that follow from given poses
 
     def derive_only(self, names: Iterable[str]) -> None:
-        """From here on only those of `derived_names` that are among these, in either form of their names: the inputs of an FMU."""
+        """Keeps only those of `derived_names` that are among these names, the inputs of an FMU, in either form."""
         there = set(map(structured, names))
         self.derived_names = [name for name in self.derived_names if structured(name) in there]
 
     def driven(self, component: Component, *, tunable: bool = False) -> list[ScalarVariable]:
-        """The inputs of an FMU that are driven: in the order of `names`, and then of the velocities that follow from them, where it has
-        these as inputs. From here on whole numbers have the value of the last row instead of what lies between rows. FmuError, which
-        tells the source, where it names what is no input. tunable: columns of tunable parameters are taken too, see `changes`."""
+        """Returns the inputs of an FMU that are driven: in the order of `names`, then the velocities that follow from them, where these
+        are inputs of the FMU. From this call on, whole numbers keep the value of the last row instead of being interpolated. FmuError,
+        which names the source, for a name that is no input. tunable: columns of tunable parameters are accepted too, see `changes`."""
         found = {name: self._input(component, name, tunable) for name in self.names}
         self.tuned = {name: variable for name, variable in found.items() if variable.causality == "parameter"}
         self.names = [name for name in self.names if name not in self.tuned]
         self.derive_only({variable.name for variable in component.variables("input")})
-        self._held.update([*self.tuned, *(variable.name for variable in found.values() if variable.kind != "Real")])
+        self._held.update([*self.tuned, *(name for name, variable in found.items() if variable.kind != "Real")])
         return [found[name] for name in self.names] + [component.variable(name) for name in self.derived_names]
 
     def _input(self, component: Component, name: str, tunable: bool) -> ScalarVariable:
@@ -119,8 +119,9 @@ class Inputs:
         return variable
 
     def changes(self, times: np.ndarray) -> dict[int, dict[str, float]]:
-        """What tunable parameters change to, by the row of communication points (T,) [s] and their names; in the first row where it is not
-        the start value. Between these rows they are left alone: setting one makes the component prepare the body anew."""
+        """Returns the values that tunable parameters change to, by row of communication points (T,) [s] and by name; in the first row,
+        those that differ from the start values. Other rows leave a parameter alone, since setting one makes the component prepare the
+        body anew."""
         found: dict[int, dict[str, float]] = {}
         now = self._at(times[:-1], False) if self.tuned else {}
         for name, variable in self.tuned.items():
@@ -130,7 +131,7 @@ class Inputs:
         return found
 
     def require_undriven(self, started: Iterable[str], driven: Container[str]) -> None:
-        """FmuError where a start value has no effect, for this gives that variable from the first communication point on."""
+        """Raises FmuError if a start value has no effect because this source gives the variable from the first communication point on."""
         if lost := next((name for name in started if name in driven), None):
             follows = "" if lost in self.names else " with its pose"
             other = "; inputs={} goes without the file, as softffd run --no-input does" if self._is_file else ""
@@ -139,13 +140,14 @@ class Inputs:
             )
 
     def values(self, time: float, then: float) -> np.ndarray:
-        """Values at a communication point, in the order of `names` and then of `derived_names`; then: the next one, or `time` again [s]."""
+        """Returns values at a communication point, in the order of `names`, then `derived_names`; then: the next point, or `time` again
+        [s]."""
         now = self._at(time, False)
         derived = derived_velocities(now, self._at(then, True), then - time) if then > time else {}
         return np.array([*(now[name] for name in self.names), *(derived.get(name, 0.0) for name in self.derived_names)])
 
     def rows(self, times: np.ndarray) -> np.ndarray:
-        """`values` at each of some communication points but the last, (points - 1, names)."""
+        """Returns `values` at each of some communication points except the last, (points - 1, names)."""
         if self._steady:
             return np.broadcast_to(self.values(times[0], times[1]), (len(times) - 1, len(self.names) + len(self.derived_names)))
         if self.derived_names or self.is_function:
@@ -154,16 +156,17 @@ class Inputs:
         return np.stack([now[name] for name in self.names], axis=1) if self.names else np.zeros((len(times) - 1, 0))
 
     def rates(self, time: float, then: float) -> np.ndarray:
-        """Slopes from a communication point to the next, `then` > `time` [s], in the order of `names` [unit / s]."""
+        """Returns the slopes from a communication point to the next, `then` > `time` [s], in the order of `names` [unit / s]."""
         begin, end = self._row(time, False), self._row(then, True)
         for places in _orientations(self.names):
             end[places] = nearer(end[places], begin[places])
         return (end - begin) / (then - time)
 
     def bends(self, time: float, then: float) -> np.ndarray:
-        """First to third derivatives at `time` of what goes from a communication point to the next, `then` > `time` [s]: (3, names)
-        [unit / s, unit / s2, unit / s3]. Forces and loads: cubics whose slopes are continuous where the values are and which rise and fall
-        where these do (Fritsch, Carlson 1980), so that nothing overshoots. Others, which take the first derivative only: linear."""
+        """Returns the first to third derivatives at `time` of the course from a communication point to the next, `then` > `time` [s]:
+        (3, names) [unit / s, unit / s2, unit / s3]. Forces and loads follow cubics whose slopes are continuous where the values are and
+        which rise and fall where the values do (Fritsch, Carlson 1980), so that nothing overshoots. Other inputs, which take the first
+        derivative only, are linear."""
         step, mean = then - time, self.rates(time, then)
         begin, end = self._slope_at(time, step, ends=False), self._slope_at(then, step, ends=True)
         cubic = np.array([begin, 2 * (3 * mean - 2 * begin - end) / step, 6 * (begin + end - 2 * mean) / step**2])
@@ -175,8 +178,8 @@ class Inputs:
         return np.array([values[name] for name in self.names])
 
     def _slope_at(self, time: float, step: float, *, ends: bool) -> np.ndarray:
-        """Slopes where a step ends or begins; limited so that the cubics on both sides follow the values. At a jump only the step's own
-        side counts. Nothing is asked for before the start."""
+        """Returns the slopes where a step ends or begins, limited so that the cubics on both sides follow the values. At a jump only
+        the step's own side counts. No values before the start are used."""
         near, first = step / 256, time - self._start < step
         before, after = self._row(time, True), self._row(time, False)
         after_mean = (self._row(time + step, True) - after) / step
@@ -193,11 +196,11 @@ class Inputs:
 
 
 Course = Callable[[Any, bool], Mapping[str, Any]]
-"""Values by name at a time [s], for what ends there or for what begins there; a table's at many times too."""
+"""Values by name at a time [s], for an interval that ends there (True) or begins there (False); of a table also at many times."""
 
 
 def _course(source: Source, where: str, start: float, held: set[str]) -> tuple[Course, list[str]]:
-    """The course of a source, and the names in its order. held: what a table holds between its rows."""
+    """Returns the course of a source, and its names in order. held: names whose values a table holds between its rows."""
     if callable(source):
         return _of_function(source, where, start)
     if isinstance(source, Mapping):
@@ -212,8 +215,8 @@ def _course(source: Source, where: str, start: float, held: set[str]) -> tuple[C
 
 
 def _constants(given: Mapping[str, Any], where: str = "inputs: ") -> dict[str, float]:
-    """Numbers by the names of single variables; a vector goes by the name that its components share. FmuError, which begins with `where`,
-    for anything else."""
+    """Returns numbers by the names of single variables; a vector is given by the name that its components share. FmuError, which begins
+    with `where`, for anything else."""
     numbers: dict[str, float] = {}
     for name, value in given.items():
         if isinstance(value, float) and math.isfinite(value):
@@ -256,14 +259,14 @@ def _of_function(function: Callable[[float], Mapping[str, Any]], where: str, sta
 
 
 def _orientations(names: list[str]) -> list[list[int]]:
-    """Where in the names the components of each quaternion are that is there as a whole."""
+    """Returns the indices in `names` of the components of each quaternion that is there as a whole."""
     pins = dict.fromkeys(found.instance for name in names if (found := parse_name(name)) and found.family == "pin_orientation")
     quaternions = [vector_names("pin_orientation", pin) for pin in pins]
     return [[names.index(name) for name in each] for each in quaternions if set(each) <= set(names)]
 
 
 def _structured(given: list[str], where: str) -> list[str]:
-    """The names in their structured form; FmuError where two of them mean the same variable."""
+    """Returns the names in their structured form; FmuError if two of them mean the same variable."""
     by_name: dict[str, str] = {}
     for name in given:
         if (other := by_name.setdefault(structured(name), name)) != name:
@@ -276,15 +279,15 @@ def _of_table(table: np.ndarray, where: str, held: set[str]) -> tuple[Course, li
     names = _structured(given, where)
     values = np.array([table[own].astype(float) for own in given])
     for places in _orientations(names):
-        turning = values[places].T  # of q and -q, which are the same orientation, the one nearer to the row before: else what lies between
-        flips = (turning[1:] * turning[:-1]).sum(axis=1) < 0  # two rows would go through zero
+        turning = values[places].T  # q and -q mean one orientation; each row takes the one nearer to the row before, since
+        flips = (turning[1:] * turning[:-1]).sum(axis=1) < 0  # otherwise values between two rows would go through zero
         values[places, 1:] *= np.where(np.cumsum(flips) % 2, -1, 1)
     columns = dict(zip(names, values, strict=True))
 
     def course(time: Any, ends: bool) -> dict[str, Any]:
         slack = SLACK * abs(time)
         first, behind = np.searchsorted(times, time - slack, "left"), np.searchsorted(times, time + slack, "right")
-        here, row = first < behind, np.minimum(first, len(times) - 1) if ends else behind - 1  # rows of this time, and which counts
+        here, row = first < behind, np.minimum(first, len(times) - 1) if ends else behind - 1  # has this time rows, and which counts
         last = np.maximum(behind - 1, 0)
         return {
             name: np.where(here, column[row], column[last] if name in held else np.interp(time, times, column))

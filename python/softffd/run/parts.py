@@ -1,4 +1,4 @@
-"""What a running FMU consists of, by name: obstacles, pins, loads and probes, and the control points as one array."""
+"""The parts of a running FMU by name: obstacles, pins, loads, probes and sensors; and the control points as one array."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 
 class Field(Generic[T]):
-    """An attribute of a part: a number, or a vector, of which reading gives a copy; assigning sets all components."""
+    """An attribute of a part: a number or a vector. Reading a vector gives a copy; assigning sets all components."""
 
     def __init__(self, doc: str, read: Callable[[Variables, str], T]):
         self.__doc__, self._read = doc, read
@@ -47,7 +47,7 @@ def _number(doc: str) -> Field[float]:
 
 
 class Part:
-    """Something of a scene that has variables of its own. An attribute that the FMU does not have answers with FmuError."""
+    """A part of a scene that has variables of its own. An attribute that the FMU does not have raises FmuError."""
 
     __slots__ = ("path", "simulation")
 
@@ -71,7 +71,7 @@ class Part:
 
 
 class Body(Part):
-    """What may be a free body, with a mass of its own: those attributes that only such a one has. Its loads can be set at any time."""
+    """A part that may be a free body with a mass of its own; some attributes exist for free bodies only. Loads can be set at any time."""
 
     __slots__ = ()
     force = _vector("(3,) N, of a free body: from outside on its centre of mass during the step")
@@ -85,7 +85,7 @@ class Body(Part):
 
 
 class Obstacle(Body):
-    """An obstacle. Its friction and what is an input of its pose and motion can be set at any time, the rest before the first step."""
+    """An obstacle. Its friction and inputs of its pose and motion can be set at any time, the rest before the first step."""
 
     __slots__ = ()
     point = _vector("(3,) m, at the communication point; of a plane that is no input: at the start")
@@ -102,15 +102,14 @@ class Obstacle(Body):
 
 
 class Pin(Body):
-    """Control points attached to a rigid frame. Of one that inputs move these can be set at any time, the rest of its pose
-    and motion before the first step."""
+    """Control points attached to a rigid frame. Inputs of its pose and motion can be set at any time, the rest before the first step."""
 
     __slots__ = ()
     torque = _vector("(3,) N.m of the object about the origin, mean of the last step; of a free body that from outside, an input")
 
 
 class Sensor(Part):
-    """A patch of the surface, and what obstacles do to it: means over the last communication step."""
+    """A patch of the surface and the contact of obstacles with it: means over the last communication step."""
 
     __slots__ = ()
     force = _vector("(3,) N, on the patch")
@@ -121,7 +120,7 @@ class Sensor(Part):
 
     @property
     def taxels(self) -> np.ndarray:
-        """(n, m, 3) N: the force on each taxel, a copy; they sum to `force`."""
+        """The force on each taxel, (n, m, 3) [N], a copy; these forces sum to `force`."""
         name = self.path.partition(".")[2]
         grid = next((grid for grid in self.simulation.component.taxels if grid.name == name), None)
         if grid is None:
@@ -134,7 +133,7 @@ class Parts(Mapping[str, T]):
     """The parts of one kind by name, in the order of the scene; FmuError with the nearest name for an unknown one."""
 
     def __init__(self, kind: str, simulation: Variables, part: Callable[[Variables, str], T], *, of: Sequence[str] = ()):
-        """part: makes one from the beginning of its variables' names. of: the kinds that `kind` stands for, where these are several."""
+        """part: makes a part from the beginning of its variables' names. of: the kinds that `kind` stands for, if these are several."""
         self._kind, self._simulation, self._part = kind, simulation, part
         self._paths = {each.name: str(each) for each in parts_of(simulation.variables, *(of or (kind,)))}
 
@@ -152,14 +151,14 @@ class Parts(Mapping[str, T]):
         return len(self._paths)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._paths  # without reading it
+        return name in self._paths  # without reading the part
 
     def __repr__(self) -> str:
         return f"<{self._kind}: {', '.join(self) or 'none'}>"
 
 
 class Vectors(Parts[np.ndarray]):
-    """Parts that are vectors themselves; the inputs among them can be set as a whole."""
+    """Parts that are vectors themselves; those that are inputs can be set as a whole."""
 
     def __init__(self, kind: str, simulation: Variables):
         super().__init__(kind, simulation, Variables.vector)
@@ -169,7 +168,7 @@ class Vectors(Parts[np.ndarray]):
 
 
 def require_name(kind: str, name: str, names: Collection[str]) -> None:
-    """FmuError with the nearest name where there is no part of this name."""
+    """Raises FmuError with the nearest name if there is no part of this name."""
     if name not in names:
         there = f"; there is {', '.join(names)}" if names else ""
         raise UnknownName(f"{kind} {name}: there is no such {kind}{did_you_mean(nearest_of(str(name), names)) or there}")
@@ -179,7 +178,7 @@ def require_name(kind: str, name: str, names: Collection[str]) -> None:
 
 
 class PointVectors:
-    """Vectors of control points, by indices: [i, j, k]."""
+    """Vectors at single control points, by indices: [i, j, k]."""
 
     def __init__(self, family: str, simulation: Variables):
         self._family, self._simulation = family, simulation
@@ -195,7 +194,7 @@ class PointVectors:
 
 
 class PointField:
-    """Vectors of all control points as one array (nx, ny, nz, 3)."""
+    """Vectors at all control points as one array (nx, ny, nz, 3)."""
 
     def __init__(self, component: Component, family: str):
         names = [each for each in component.by_name if each.startswith(family) and (name := parse_name(each)) and name.family == family]
@@ -211,7 +210,7 @@ class PointField:
     def read(self) -> np.ndarray:
         array = np.full(self._shape, np.nan)
         array.reshape(-1)[self._flat] = self._block.get()
-        array.flags.writeable = False  # what is assigned to an element of a copy would be lost
+        array.flags.writeable = False  # a value assigned to an element of a copy would be lost
         return array
 
     def write(self, values: ArrayLike) -> None:
@@ -223,24 +222,24 @@ class PointField:
 
 
 def at_point(name: str) -> bool:
-    """Whether a variable belongs to a control point."""
+    """True if the variable belongs to a control point."""
     return (found := parse_name(name)) is not None and found.at_point
 
 
 def is_position(name: str) -> bool:
-    """Whether a variable is a component of a control point's position."""
+    """True if the variable is a component of a control point's position."""
     return bool((found := parse_name(name)) and found.family == "position")
 
 
 def in_place(variables: list[ScalarVariable]) -> list[ScalarVariable]:
-    """The positions of control points in the order of an array (nx, ny, nz, 3), and then the others in theirs."""
+    """Returns the positions of control points in the order of an array (nx, ny, nz, 3), and then the others in their own order."""
     moved = [variable for variable in variables if is_position(variable.name)]
     order = np.lexsort(places([variable.name for variable in moved]).T[::-1])
     return [moved[place] for place in order] + [variable for variable in variables if not is_position(variable.name)]
 
 
 def places(names: Sequence[str]) -> np.ndarray:
-    """Indices (m, 4) of the variables of control points: i, j, k, number of the component."""
+    """Returns the indices (m, 4) of the variables at control points: i, j, k, number of the component."""
     found = [parse_name(name) for name in names]
     rows = [[*(name.instance or ()), "xyz".index(name.component)] for name in found if name and name.at_point]
     return np.array(rows, dtype=int).reshape(-1, 4)

@@ -1,8 +1,8 @@
 """Contact pressure of taxels over time, and on a surface between them.
 
-A taxel's pressure is the force on it towards the object, along the axis that the patch faces most, by the area at rest that is seen along
-this axis. On the surface it is linear between the taxels' centres, beyond the outer ones that of the nearest, and 0 where there are no
-taxels.
+The pressure of a taxel is the force on it towards the object, along the axis that the patch faces most, divided by the area at rest seen
+along this axis. On the surface the pressure is linear between the taxels' centres, beyond the outer centres that of the nearest taxel, and
+0 where there are no taxels.
 """
 
 from collections.abc import Iterable, Mapping
@@ -23,7 +23,7 @@ Rows = int | slice | np.ndarray
 
 
 def grid_of(grids: Iterable[TaxelGrid], name: str) -> TaxelGrid:
-    """The taxels of a sensor; SoftffdError with the nearest name, or where the patch does not face one way."""
+    """Returns the taxels of a sensor; SoftffdError with the nearest name for an unknown sensor, or if the patch faces both ways."""
     known = {grid.name: grid for grid in grids}
     require_name("sensor with taxels", name, list(known))
     if not known[name].side:
@@ -32,12 +32,12 @@ def grid_of(grids: Iterable[TaxelGrid], name: str) -> TaxelGrid:
 
 
 def with_pressure(grids: Iterable[TaxelGrid], outputs: Outputs) -> list[TaxelGrid]:
-    """Those that face one way and were recorded."""
+    """Returns the grids that face one way and whose taxels were recorded."""
     return [grid for grid in grids if grid.side and all(name in outputs for name in _names(grid))]
 
 
 def taxel_pressure(outputs: Outputs, grid: TaxelGrid, row: Rows = slice(None)) -> np.ndarray:
-    """(T, n, m) Pa at rows of the outputs, (n, m) at one."""
+    """Returns the pressures (T, n, m) [Pa] at rows of the outputs, (n, m) at one row."""
     forces = np.stack([outputs[name][row] for name in _names(grid)], axis=-1)
     return grid.pressures(forces.reshape(*forces.shape[:-1], *grid.counts))
 
@@ -48,14 +48,14 @@ def _names(grid: TaxelGrid) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class Covered:
-    """What a grid of taxels covers of a surface: which vertices (V,), and where along its sides they are (V, 2), 0 .. 1."""
+    """What a grid of taxels covers of a surface: which vertices (V,), and their positions along the grid's sides (V, 2), 0 .. 1."""
 
     grid: TaxelGrid
     inside: np.ndarray
     shares: np.ndarray
 
     def at_vertices(self, pressure: np.ndarray) -> np.ndarray:
-        """Of pressures (..., n, m) those at the vertices (..., V) [Pa]."""
+        """Returns the pressures at the vertices (..., V) [Pa] from the pressures of the taxels (..., n, m) [Pa]."""
         count = np.array(self.grid.counts)
         place = (self.shares * count - 0.5).clip(0, count - 1)
         low = np.minimum(place.astype(int), np.maximum(count - 2, 0))
@@ -67,10 +67,11 @@ class Covered:
 
 
 def covered(grids: Iterable[TaxelGrid], outputs: Outputs, surface: Mesh, patches: Mapping[str, Where]) -> list[Covered]:
-    """What those with pressures cover of a surface at rest.
+    """Returns what each grid with recorded pressures covers of a surface at rest.
 
-    patches: by the names of the sensors, where the surface is the mesh that these are on: what such a patch has of it and faces as its grid
-    does is covered. Of another surface, as that of the box, what faces that way over the grid."""
+    patches: by sensor name, if `surface` is the mesh that the patches are on. The grid then covers the vertices of its patch that face
+        the same way as the grid. On any other surface, such as that of the box, the grid covers the vertices over it that face that
+        way."""
     facing, found = np.zeros((len(surface.vertices), 3)), []
     np.add.at(facing, surface.faces.ravel(), np.repeat(area_vectors(surface.vertices[surface.faces]), 3, axis=0))
     for grid in with_pressure(grids, outputs):
@@ -84,7 +85,7 @@ def covered(grids: Iterable[TaxelGrid], outputs: Outputs, surface: Mesh, patches
 
 
 def surface_pressure(outputs: Outputs, parts: Iterable[Covered], row: Rows) -> np.ndarray:
-    """(T, V) Pa at rows, (V,) at one; where several sensors are, the largest."""
+    """Returns the pressures (T, V) [Pa] at rows, (V,) at one row; where several sensors overlap, the largest."""
     found = [each.at_vertices(taxel_pressure(outputs, each.grid, row)) for each in parts]
     if not found:
         raise SoftffdError("contact pressure: wanted a run with all taxels of a [[sensor]] whose patch mostly faces one way")

@@ -1,4 +1,4 @@
-"""A progress line on stderr; where that is no terminal, a line now and then of what takes long."""
+"""A progress line on stderr; where stderr is no terminal, a line now and then during what takes long."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ import threading
 import time
 from collections.abc import Callable
 
-Note = Callable[[str], None]  # is told in words how far something is, as `ProgressLine.note` and `.say` are
-QUIET = 2.0  # without news for so long [s], the line tells how long the stage has taken so far
-NOW_AND_THEN = 60.0  # and where stderr is no terminal it is told so often [s]
+Note = Callable[[str], None]  # takes words for how far something is, as `ProgressLine.note` and `.say` do
+QUIET = 2.0  # after this time without news [s], the line shows how long the stage has taken so far
+NOW_AND_THEN = 60.0  # interval of these reports where stderr is no terminal [s]
 
 
 def silent(_text: str) -> None:
-    """A Note for nobody."""
+    """A Note that drops the text."""
 
 
 class ProgressLine:
@@ -33,19 +33,19 @@ class ProgressLine:
         return self
 
     def stage(self, what: str) -> None:
-        """Something else is being done from here on."""
+        """Begins another stage, in which `what` is done."""
         with self._lock:
             self._what, self._text, self._began = what, "...", time.monotonic()
             self._show(self._text)
 
     def __call__(self, share: float, simulated: float) -> None:
-        """share in 0..1, simulated time [s]."""
+        """Shows the fraction done, in 0..1, the simulated time [s] and the time left."""
         took = time.monotonic() - self._began
         left = f", {took * (1 - share) / share:.0f} s left" if took > QUIET and 0 < share < 1 else ""
         self.note(f"{share:4.0%}, {simulated:.3g} s{left}", at_once=share >= 1)
 
     def note(self, text: str, *, at_once: bool = False) -> None:
-        """Shows other words for how far it is; several within a tenth of a second show as the first of them."""
+        """Shows another text for how far it is; of several texts within a tenth of a second the first is shown."""
         with self._lock:
             self._text = text
             if time.monotonic() - self._shown > 0.1 or at_once:

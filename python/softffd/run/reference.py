@@ -1,9 +1,9 @@
-"""A scene's own run as files of its FMU, so that an importer can see whether it gets the same: the layered standard FMI-LS-REF
-(https://github.com/modelica/fmi-ls-ref, 1.0.0-alpha.1), whose folder and manifest these are.
+"""Reference results of a scene as files of its FMU, with which an importer can check that it gets the same results. Folder and manifest
+are those of the layered standard FMI-LS-REF (https://github.com/modelica/fmi-ls-ref, 1.0.0-alpha.1).
 
-    inputs.csv     time [s] and what drives the run at each communication point; absent where nothing does
+    inputs.csv     time [s] and the inputs that drive the run at each communication point; absent where nothing drives it
     results.csv    time [s] and outputs at each communication point
-    errors.csv     of each output its unit and its largest difference from a run with a tenth of the tolerance
+    errors.csv     unit of each output, and its largest difference from a run with a tenth of the tolerance
 """
 
 from collections.abc import Callable, Mapping
@@ -31,14 +31,14 @@ ROLES = {
     "results.csv": ("result", "Outputs at each communication point of a run with these inputs"),
     "errors.csv": ("report", "Largest difference of each output from a run with a tenth of the tolerance"),
 }
-LEFT_OUT = ("velocity[", "solver.")  # what no result is compared by: each control point's, and counts of steps
-FINER = 0.1  # tolerance of the run that tells the error, as a part of the scene's
+LEFT_OUT = ("velocity[", "solver.")  # outputs that no comparison uses: velocities of control points, and counts of steps
+FINER = 0.1  # tolerance of the run that gives the error, as a fraction of the scene's
 
 
 def reference_files(scene: Scene, *, progress: Callable[[float, float], None] | None = None) -> dict[str, bytes]:
-    """The files by their names in the FMU, from two runs of the scene with its own inputs, communication step and stop time.
+    """Returns the files by their names in the FMU, from two runs of the scene with its own inputs, communication step and stop time.
 
-    progress: as for `simulate`, of the two runs together.
+    progress: as for `simulate`, for the two runs together.
     """
 
     def half(first: float) -> Callable[[float, float], None] | None:
@@ -50,7 +50,7 @@ def reference_files(scene: Scene, *, progress: Callable[[float, float], None] | 
     errors = {name: float(np.abs(column - others[name]).max()) for name, column in outputs.items()}
     rows = [(name, unit_of(name), f"{error:.3g}") for name, error in errors.items()]
     texts = {"results.csv": _csv(result.time, outputs), "errors.csv": table_text(["name", "unit", "largest_difference"], rows)}
-    source = Inputs(scene.default_inputs)  # the scene's own file, and the velocities that follow from it
+    source = Inputs(scene.default_inputs)  # the scene's own file; velocities that follow from it count too
     given = {*source.names, *source.derived_names}
     if inputs := {name: column for name, column in result.inputs.items() if structured(name) in given}:
         texts["inputs.csv"] = _csv(result.time, inputs)
@@ -60,7 +60,7 @@ def reference_files(scene: Scene, *, progress: Callable[[float, float], None] | 
 
 
 def _outputs(result: Result) -> dict[str, np.ndarray]:
-    """All but those at control points, of which the places of two opposite corners are taken, and diagnostics."""
+    """Returns the outputs without diagnostics; of those at control points only the positions of two opposite corners."""
     last = tuple(count - 1 for count in result.positions.shape[1:4])
     columns = {name: column for name, column in result.outputs.items() if not structured(name).startswith(LEFT_OUT)}
     for corner in dict.fromkeys([(0, 0, 0), last]):

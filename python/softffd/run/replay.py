@@ -1,4 +1,4 @@
-"""A coupled run, seen again: what one component was given goes into a run of that component alone."""
+"""Replays a coupled run: the inputs that one component was given go into a run of that component alone."""
 
 from __future__ import annotations
 
@@ -32,18 +32,19 @@ Rows = Union[np.ndarray, "pd.DataFrame", str, Path]
 
 
 def replay(scene_or_fmu: Scene | str | Path, rows: Rows, component: str, **options: Any) -> Result:
-    """What a component did in a coupled run: all its outputs, to plot and to look at.
+    """Returns what a component did in a coupled run: all its outputs, to plot and to look at.
 
         rows = simulate_ssp("pressed.ssp", stop_time=4.0, step_size=1e-3)
         softffd.replay("box.toml", rows, "box").view()
 
-    scene_or_fmu: the scene, its path or name, or the path of the FMU that the component was made of. It starts from connected inputs of
-        0, as in fmpy.
-    rows: what fmpy's simulate_ssp returned: a structured array, or a DataFrame or CSV file of it, with a column `time` [s] and one for each
-        connector, COMPONENT.VARIABLE. A row has the begin of a step and the inputs of the step after it; those of the first step are 0.
-    component: its name in the system.
-    options: of `simulate`: the start values of the coupled run, `output`.
-    Raises FmuError where the rows hold no inputs of that component or are not of equal steps.
+    scene_or_fmu: the scene, its path or name, or the path of the FMU that the component was made of. Connected inputs start from 0, as in
+        fmpy.
+    rows: what fmpy's simulate_ssp returned: a structured array, or a DataFrame or CSV file of it, with a column `time` [s] and one for
+        each connector, COMPONENT.VARIABLE. A row has the time at which a step begins and the inputs of the step after that; the inputs of
+        the first step are 0.
+    component: name of the component in the system.
+    options: options of `simulate`: the start values of the coupled run, `output`.
+    Raises FmuError if the rows hold no inputs of that component or their steps are not equal.
     """
     table = _table(rows)
     with Simulation(scene_or_fmu) as opened:
@@ -54,7 +55,7 @@ def replay(scene_or_fmu: Scene | str | Path, rows: Rows, component: str, **optio
     times = _times(table)
     held = {"time": times}
     held |= {name: np.append(0.0, table[f"{component}.{name}"]) for name in inputs if f"{component}.{name}" in (table.dtype.names or ())}
-    for name in Inputs(structured_array(held), float(times[0])).derived_names:  # nobody gave them: they keep what they start from
+    for name in Inputs(structured_array(held), float(times[0])).derived_names:  # no component gave these: they keep their start values
         if name in inputs:
             held[name] = np.full(len(times), float(inputs[name].start or 0))
     return _at(times, scene_or_fmu, inputs=structured_array(held), **options)
@@ -66,11 +67,12 @@ def _at(times: np.ndarray, scene_or_fmu: Scene | str | Path, **options: Any) -> 
 
 
 def replay_system(system: Path, rows: Rows, stage: Note = silent) -> dict[str, Result]:
-    """What the components of a coupled run did that are soft bodies, by their names in the system, each as `replay` gives it.
+    """Returns the results of those components of a coupled run that are soft bodies, by name in the system, each as `replay` gives it.
 
-    system: the path of the `.ssp`, whose FMUs and start values count; a scene that an FMU was made of comes along where its mesh is
-        found. rows: of `replay`, for all of them; a component without inputs in them moves by itself.
-    stage: is told what is being done. Raises SoftffdError where the file is no system or has no soft body.
+    system: path of the `.ssp` file, whose FMUs and start values are used. A result has the scene that its FMU was made of, if the scene's
+        mesh is found.
+    rows: as for `replay`, for all components; a component without inputs in them moves by itself.
+    stage: called with words for what is being done. Raises SoftffdError if the file is no system or has no soft body.
     """
     table = _table(rows)
     times = _times(table)
@@ -93,7 +95,7 @@ def replay_system(system: Path, rows: Rows, stage: Note = silent) -> dict[str, R
 
 
 def _components_of(system: Path) -> dict[str, tuple[bytes, dict[str, Any], KeptScene | None]]:
-    """The FMUs of a system, their start values, and the scenes that are kept of them, by component."""
+    """Returns the FMUs of a system, their start values, and the scenes that the system keeps of them, by component."""
     from fmpy.ssp.ssd import read_ssd, read_ssv
     from pydantic import TypeAdapter
 
@@ -122,7 +124,7 @@ def _table(rows: Rows) -> np.ndarray:
 
 
 def _times(table: np.ndarray) -> np.ndarray:
-    """The communication points, from the begin of the first step to the end of the last."""
+    """Returns the communication points, from the begin of the first step to the end of the last; FmuError if the steps are not equal."""
     steps = np.diff(table["time"])
     if not np.allclose(steps, steps[0], rtol=1e-6, atol=0) or steps[0] <= 0:
         raise FmuError(f"rows: wanted equal steps of time, got some of {min(steps):g} s and some of {max(steps):g} s")

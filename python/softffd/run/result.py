@@ -1,4 +1,4 @@
-"""What a run gives back: its numbers, and the forms that these take, each by a method of one class."""
+"""The result of a run: its numbers, and the forms in which they can be given, each by a method of one class."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-LARGEST_PAGE = 2e6  # characters of an interactive page that a notebook takes into itself
+LARGEST_PAGE = 2e6  # largest interactive page that is embedded in a notebook [characters]
 
 
 class Columns(ByName[T]):
-    """Values by variable name; a name that is not there is answered with the nearest one that is."""
+    """Values by variable name; a name that does not exist raises UnknownName with the nearest name that does."""
 
     def __init__(self, values: Mapping[str, T], what: str):
         super().__init__(values)
@@ -55,12 +55,12 @@ class Columns(ByName[T]):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Result(ObstacleCourses):
-    """A run, one row per communication point."""
+    """The result of a run, one row per communication point."""
 
     time: np.ndarray
-    """(T,) s"""
+    """Communication points (T,) [s]"""
     positions: np.ndarray
-    """(T, nx, ny, nz, 3) m; NaN for control points that are not among the outputs"""
+    """Positions (T, nx, ny, nz, 3) [m] of the control points; NaN for those that are not among the outputs"""
     outputs: dict[str, np.ndarray]
     """The other outputs by variable name, (T,) each"""
     inputs: dict[str, np.ndarray]
@@ -70,19 +70,19 @@ class Result(ObstacleCourses):
     summary: dict[str, Any]
     """title, simulated_time_s, run_time_s, real_time_factor, communication_steps, warnings, ..."""
     scene: Scene | None = None
-    """The scene, where the run started from one"""
+    """The scene, if the run started from one"""
     lattice: LatticeBox | None = None
-    """Counts, box at rest and basis, as the FMU has them; None for an FMU that is not of this package"""
+    """Numbers of control points, box at rest and basis, as the FMU has them; None for an FMU that is not of this package"""
     flat_names: bool = False
-    """Whether names at control points are the flat ones (fmu.names), in `outputs`, `inputs` and the files"""
+    """True if names at control points are the flat ones (fmu.names), in `outputs`, `inputs` and the files"""
     obstacles: Obstacles | None = None
-    """What meets them, and shapes of solid ones, as the FMU has them; None for an FMU that is not of this package"""
+    """What of the object the obstacles touch, and shapes of solids, as the FMU has them; None for an FMU that is not of this package"""
     log: tuple[Message, ...] = ()
-    """All that the component said"""
+    """All messages of the component"""
     taxels: tuple[TaxelGrid, ...] = ()
     """The grids of the sensors that have taxels, as the FMU has them"""
     sceneless: str = ""
-    """Why a result that was loaded from a file is without the scene that it had"""
+    """Why a result that was loaded from a file does not have its scene"""
 
     def __post_init__(self) -> None:
         for field_name, what in (("outputs", "output"), ("inputs", "input"), ("parameters", "parameter")):
@@ -105,58 +105,62 @@ class Result(ObstacleCourses):
 
     @property
     def title(self) -> str:
-        """Of the scene, or what the FMU says of itself."""
+        """Title of the scene; without a scene the title that the FMU gives."""
         return str(self.summary.get("title", "")) if self.scene is None else self.scene.title
 
     @property
     def loaded_mesh(self) -> Mesh | None:
-        """The mesh of the run's scene at rest; None where it has none."""
+        """The mesh of the run's scene at rest; None if there is none."""
         return self.scene.loaded_mesh if self.scene else None
 
     @property
     def has_positions(self) -> bool:
-        """Whether all control points were recorded."""
+        """True if the positions of all control points were recorded."""
         return self.positions.size > 0 and not np.isnan(self.positions).any()
 
     def deformation(self) -> np.ndarray:
-        """How far the lattice is deformed at each time, (T,) [m]: the largest distance of a control point from the rest shape, moved and
-        turned to fit best. Without a lattice the first positions stand for the rest shape. NaN where positions were not recorded."""
+        """Returns how far the lattice is deformed at each time, (T,) [m]: the largest distance of a control point from the rest shape,
+        after the rest shape is moved and rotated to fit best. Without a lattice the first positions stand for the rest shape. NaN if
+        positions were not recorded."""
         if not self.has_positions:
             return np.full(len(self.time), np.nan)
         return deformation(self.positions, self.positions[0] if self.lattice is None else self.lattice.rest())
 
     def strain(self, row: int | slice = -1) -> np.ndarray:
-        """Green-Lagrange strain at the centre of each cell (nx - 1, ny - 1, nz - 1, 3, 3) at a row of `time`, the last by default;
-        (T, ...) for a slice. SoftffdError where positions of control points were not recorded."""
+        """Returns the Green-Lagrange strain at the centre of each cell (nx - 1, ny - 1, nz - 1, 3, 3) at a row of `time`, the last by
+        default; (T, ...) for a slice. SoftffdError if positions of control points were not recorded."""
         return green_strain(lattice_gradients(*self._of_lattice(row, "strain")))
 
     def stress(self, row: int | slice = -1) -> np.ndarray:
-        """Cauchy stress at the centre of each cell [Pa], of the shape of `strain`; NaN in inverted cells. Of springs that of all in a cell,
-        of a solid that of its material there. Parameters are those of the start. SoftffdError for a run without its scene, too."""
+        """Returns the Cauchy stress at the centre of each cell [Pa], in the shape of `strain`; NaN in inverted cells. For springs, it
+        is the stress of all springs in a cell; for a solid, that of its material at the centre. Parameters have their values at the
+        start. SoftffdError also for a run without its scene."""
         positions, lattice = self._of_lattice(row, "stress")
         if self.scene is None:
             raise SoftffdError(f"stress: wanted a run with its scene, which defines the material{self.sceneless and f'; {self.sceneless}'}")
         return lattice_stress(positions, lattice, self.scene, self.parameters)
 
     def taxel_pressure(self, name: str) -> np.ndarray:
-        """Contact pressure on the taxels of a sensor over time, (T, n, m) [Pa]: the mean of the communication step that ends at each time.
+        """Returns the contact pressure on the taxels of a sensor, (T, n, m) [Pa]: means over the communication steps that end at the
+        times.
 
-        The force on a taxel towards the object, along the axis that the sensor's patch faces most, by the taxel's area at rest seen along
-        this axis. SoftffdError with the nearest name for a sensor without taxels or one that is not there, and where the patch faces both
-        ways along every axis."""
+        The pressure is the force on a taxel towards the object, along the axis that the sensor's patch faces most, divided by the
+        taxel's area at rest seen along this axis. SoftffdError with the nearest name for an unknown sensor or one without taxels, and
+        for a patch that faces both ways along every axis."""
         return taxel_pressure(self.outputs, grid_of(self.taxels, name))
 
     def contact_pressure(self, row: int | slice = -1) -> np.ndarray:
-        """Contact pressure at the vertices (V,) [Pa] of the scene's mesh, without a mesh of the box's surface that pictures show, at a row
-        of `time`, the last by default; (T, V) for a slice. It is linear between the centres of taxels, 0 where there are none, and the
-        largest where sensors overlap. SoftffdError for a run without taxels, or without a mesh and recorded positions."""
+        """Returns the contact pressure (V,) [Pa] at the vertices of the scene's mesh, without a mesh those of the box's surface that
+        pictures show, at a row of `time`, the last by default; (T, V) for a slice. The pressure is linear between the centres of
+        taxels, 0 where there are none, and the largest where sensors overlap. SoftffdError for a run without taxels, or with neither a
+        mesh nor recorded positions."""
         from softffd.show.stage import surface_of
 
         self._positions_at(row, "contact_pressure")
         return surface_pressure(self.outputs, self.covered_by_taxels(surface_of(self)), row)
 
     def covered_by_taxels(self, surface: Mesh) -> list[Covered]:
-        """What each sensor's taxels cover of a surface at rest, the scene's mesh or that of the box; none without taxels."""
+        """Returns what each sensor's taxels cover of a surface at rest, the scene's mesh or that of the box; empty without taxels."""
         patches = {sensor.name: sensor.where for sensor in self.scene.sensor} if self.scene and surface is self.loaded_mesh else {}
         return covered(self.taxels, self.outputs, surface, patches)
 
@@ -166,17 +170,18 @@ class Result(ObstacleCourses):
         return self._positions_at(row, who), self.lattice
 
     def _positions_at(self, row: int | slice | np.ndarray, who: str) -> np.ndarray:
-        """Of a row of `time`, of a slice or of an array of rows; SoftffdError for what is none."""
+        """Returns the positions at a row of `time`, a slice or an array of rows; SoftffdError for anything else."""
         rows, asked = len(self.time), np.asarray(0 if isinstance(row, slice) else row)
         if not (asked.dtype.kind in "iu" and (-rows <= asked).all() and (asked < rows).all()):
             raise SoftffdError(f"{who}: wanted a row of {rows}, counted from 0 or from the end, or a slice of them, got row={row!r:.70}")
         return self.positions[row]
 
     def deformed(self, mesh: Mesh | np.ndarray | None = None, *, row: int | slice = -1) -> np.ndarray:
-        """The deformed vertices (V, 3) [m] of a mesh in the run's lattice at a row of `time`, the last by default; (T, V, 3) for a slice.
+        """Returns the deformed vertices (V, 3) [m] of a mesh in the run's lattice at a row of `time`, the last by default; a slice: (T, V,
+        3).
 
-        mesh: a Mesh or vertices (V, 3) [m] at rest; the scene's mesh by default. MeshError where there is none or a vertex is outside the
-        box, SoftffdError where positions of control points were not recorded.
+        mesh: a Mesh or vertices (V, 3) [m] at rest; the scene's mesh by default. MeshError if there is none or a vertex is outside the
+            box, SoftffdError if positions of control points were not recorded.
         """
         mesh = self.loaded_mesh if mesh is None else mesh
         if mesh is None:
@@ -190,52 +195,52 @@ class Result(ObstacleCourses):
         return deform(mesh, positions, origin=self.lattice.origin, size=self.lattice.size, basis=self.lattice.basis)
 
     def save(self, path: str | Path) -> list[Path]:
-        """Writes NAME.npz, all of the result in one file, for a path with that ending; for any other a folder of result.npz, result.csv and
-        summary.json. Each appears whole or not at all. Returns the paths of the files.
+        """Writes NAME.npz, all of the result in one file, for a path with that ending; for any other a folder of result.npz, result.csv
+        and summary.json. Each file appears whole or not at all. Returns the paths of the files.
 
-        Of the scene its keys go along, of a mesh the path of its file and what it was.
+        A file keeps the keys of the scene; of a mesh it keeps the path of the mesh file and a fingerprint.
         """
         return write_files(Path(path), vars(self), {"time": self.time, **self.columns()})
 
     @classmethod
     def load(cls, path: str | Path, *, mesh: str | Path | None = None) -> Result:
-        """The result that `save` or `softffd run` wrote: of NAME.npz, or of the folder.
+        """Returns the result that `save` or `softffd run` wrote, from NAME.npz or from the folder.
 
-        Its scene comes along if its mesh is found and is the same; otherwise `scene` is None and `sceneless` says why. The mesh is looked
-        for beside the file; else where it was, if that is below the file's folder or the working one; in any other place only if `mesh`
-        says so. SoftffdError for a file that is missing, damaged or something else.
+        The result has its scene if the scene's mesh is found and unchanged; otherwise `scene` is None and `sceneless` says why. The mesh
+        is looked for beside the file; else where it was, if that is below the file's folder or the working one; in any other place only if
+        `mesh` says so. SoftffdError for a file that is missing, damaged or something else.
         """
         return cls(**read_result(Path(path), None if mesh is None else Path(mesh)))
 
     def columns(self) -> dict[str, np.ndarray]:
-        """All outputs that were recorded, positions among them, by variable name, (T,) each."""
+        """Returns all outputs that were recorded, positions among them, by variable name, (T,) each."""
         recorded = [point for point in all_points(self.positions.shape[1:4]) if not np.isnan(self.positions[0, *point, 0])]
         columns = (self.positions[:, *point, axis] for point in recorded for axis in range(3))
         names = variable_names("position", recorded, flat=self.flat_names)
         return {**self.outputs, **dict(zip(names, columns, strict=True))}
 
     def to_dataframe(self) -> pd.DataFrame:
-        """Outputs and inputs as a DataFrame, whose index is the time [s]: `columns` and `inputs`. Needs softffd[dataframes]."""
+        """Returns outputs and inputs as a DataFrame, whose index is the time [s]: `columns` and `inputs`. Needs softffd[dataframes]."""
         pandas = package("pandas", "to_dataframe", "dataframes")
         return pandas.DataFrame({**self.columns(), **self.inputs}, index=pandas.Index(self.time, name="time"))
 
     def to_xarray(self) -> xr.Dataset:
-        """Outputs and inputs as a Dataset with units: a vector is one array (time, axis), those at control points (time, i, j, k, axis), as
-        `position`; parameters are attributes. Needs softffd[datasets]."""
+        """Returns outputs and inputs as a Dataset with units: a vector is one array (time, axis), vectors at control points (time, i,
+        j, k, axis), as `position`; parameters are attributes. Needs softffd[datasets]."""
         return dataset(self.time, self.positions, {**self.outputs, **self.inputs}, {"title": self.title, **self.parameters})
 
     def plot(
         self, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None,
         lattice: bool | None = None,
     ) -> Figure:  # fmt: skip
-        """The picture of the run: its telling moments, with its scene's mesh, and the curves; written to `path` (PNG) where one is given.
+        """Draws the picture of the run: its telling moments, with its scene's mesh, and the curves; written to `path` (PNG) if given.
         colour: "von_mises" (stress) or "stretch" (the largest principal one) of the cells, or "contact_pressure" on taxels, in place of
-        the object's own colours.
-        lattice: show the lattice; by default where there is no mesh.
-        With `y`, names of outputs or inputs, a vector's for its components, those alone over `x`, time or another one of them:
-        plot(x="plane.press.point.z", y="plane.press.reaction.z").
-        Returns matplotlib's Figure. UnknownName with the nearest name; SoftffdError where the picture needs positions that were not
-        recorded."""
+            the object's own colours.
+        lattice: show the lattice; by default if there is no mesh.
+        With `y`, names of outputs or inputs (a vector's name means its components), only their curves are drawn over `x`, time or another
+        of them: plot(x="plane.press.point.z", y="plane.press.reaction.z").
+        Returns matplotlib's Figure. UnknownName with the nearest name for an unknown one; SoftffdError if the picture needs positions
+        that were not recorded."""
         from softffd.show.picture import curve_picture, run_picture
 
         if (x != "time" and not y) or ((colour or lattice is not None) and y):
@@ -243,16 +248,16 @@ class Result(ObstacleCourses):
         return _kept_at(path, curve_picture(self, x=x, y=y) if y else run_picture(self, colour=colour, lattice=lattice))
 
     def plot_taxels(self, name: str, path: str | Path | None = None) -> Figure:
-        """The contact pressure on the taxels of a sensor: maps of the grid when half of the largest force is reached, at the largest
-        pressure, at the largest force, and at the end where that is pressed; the largest and the mean over time; written to `path` (PNG)
-        where one is given. Returns matplotlib's Figure. SoftffdError as in `taxel_pressure`."""
+        """Draws the contact pressure on the taxels of a sensor: maps of the grid when half of the largest force is reached, at the
+        largest pressure, at the largest force, and at the end if the grid is pressed then; the largest and the mean pressure over time.
+        Writes the figure to `path` (PNG) if one is given. Returns matplotlib's Figure. SoftffdError as in `taxel_pressure`."""
         from softffd.show.taxels import taxel_picture
 
         return _kept_at(path, taxel_picture(self, name))
 
     def view(self, path: str | Path | None = None, *, browser: bool = True) -> Path:
         """Writes the interactive page to `path`, by default a temporary file, and opens it in the browser. Returns the page's path.
-        SoftffdError where positions were not recorded."""
+        SoftffdError if positions were not recorded."""
         from softffd.show.view import write_view
 
         written = write_view(self, Path(tempfile.mkdtemp(prefix="softffd-view-")) / "view.html" if path is None else path)
@@ -267,16 +272,17 @@ class Result(ObstacleCourses):
         lattice: bool | None = None,
     ) -> list[Path]:  # fmt: skip
         """Writes the run for another program, in the format of the path's ending, or `to`: vtkhdf, vtu, glb, usd, pc2, ply, gif or mp4.
-        All files appear or none does, in place of those of their names. Returns their paths.
-        tolerance: of glb, the largest error of a vertex as a share of the largest side of the box; 1e-3 by default. frames: how many rows
-        to take, evenly chosen, >= 2; all by default. lattice: of gif and mp4, show it; by default where there is no mesh.
-        SoftffdError where positions were not recorded or something is missing."""
+        Either all files appear, in place of files of their names, or none does. Returns their paths.
+        tolerance: for glb, the largest error of a vertex as a fraction of the largest side of the box; 1e-3 by default.
+        frames: how many rows to take, evenly chosen, >= 2; all by default.
+        lattice: for gif and mp4, show the lattice; by default if there is no mesh.
+        SoftffdError if positions were not recorded or something is missing."""
         from softffd.export.formats import export_result
 
         return export_result(self, path, to=to, tolerance=tolerance, frames=frames, lattice=lattice)
 
     def _repr_html_(self) -> str:
-        """In a notebook the words and, where positions were recorded, the picture and, if it is small, the interactive page."""
+        """Returns the text for a notebook and, if positions were recorded, the picture and, if it is small, the interactive page."""
         words = f'<pre style="white-space: pre-wrap">{html.escape(repr(self))}</pre>'
         if not self.has_positions:
             return words

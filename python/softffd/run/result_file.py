@@ -1,11 +1,11 @@
-"""The one file of a result: an NPZ archive whose entry `header` says in JSON what the arrays do not.
+"""The file of a result: an NPZ archive whose entry `header` holds in JSON what the arrays do not.
 
     time, positions       as in the Result
-    NAME                  an output of that name, (T,); outputs/NAME where one of these five words is its name
+    NAME                  an output of that name, (T,); outputs/NAME if one of these five words is its name
     inputs                all inputs, (T, m); their names are in the header
-    header                format, version, names, parameters, summary, lattice, log, and the scene's keys with what its mesh was
+    header                format, version, names, parameters, summary, lattice, log, and the scene's keys with a fingerprint of its mesh
 
-numpy.load reads it too. Nothing in it is pickled, and every entry has its checksum.
+numpy.load reads the file too. Nothing in the file is pickled, and every entry has its checksum.
 """
 
 import json
@@ -35,13 +35,13 @@ from softffd.taxels import TaxelGrid
 FORMAT, VERSION = "softffd result", 1
 OWN = ("header", "time", "positions", "inputs", "outputs")
 TOLD = ("parameters", "summary", "lattice", "flat_names", "obstacles", "log", "taxels")
-"""Fields of the Result that the header has as they are"""
-KEPT = "result.npz"  # what the file of a result is called in a folder
+"""Fields of the Result that the header holds unchanged"""
+KEPT = "result.npz"  # name of the result's file in a folder
 
 
 @dataclass(frozen=True)
 class Header:
-    """What the header says: all but the arrays, as the Result has it."""
+    """The content of the header: all fields of the Result except the arrays."""
 
     version: int
     outputs: list[str]
@@ -59,7 +59,7 @@ class Header:
 def write_files(path: Path, fields: Mapping[str, Any], columns: Mapping[str, np.ndarray]) -> list[Path]:
     """Writes NAME.npz, or a folder of result.npz, result.csv and summary.json, and returns the paths of the files.
 
-    fields: of the Result, by name. columns: of the CSV file, (T,) each.
+    fields: fields of the Result by name. columns: columns of the CSV file by name, (T,) each.
     """
     one = path.suffix.lower() == ".npz"
     folder = path.parent if one else path
@@ -91,7 +91,7 @@ def _write_csv(columns: Mapping[str, np.ndarray], stream: BinaryIO) -> None:
 
 
 def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
-    """The fields of the Result that a file or a folder holds. mesh: the file of its scene's mesh, where it is known.
+    """Returns the fields of the Result that a file or a folder holds. mesh: the file of the scene's mesh, if it is known.
 
     SoftffdError for a file that is missing, damaged, too new or something else.
     """
@@ -120,8 +120,8 @@ def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
 
 
 def _read_header(said: dict[str, Any]) -> Header:
-    """The header from its JSON, each part of the kind that it should be; ValueError that tells what is not."""
-    from pydantic import TypeAdapter, ValidationError  # only here it is needed
+    """Returns the header from its JSON, with the type of each entry checked; ValueError says which entry is wrong."""
+    from pydantic import TypeAdapter, ValidationError  # needed only here
 
     try:
         return TypeAdapter(Header).validate_python(said)
@@ -135,7 +135,7 @@ def _entry(name: str) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON has instead of a number of numpy, a dataclass or a path."""
+    """Returns what JSON holds instead of a numpy number, a dataclass or a path."""
     if is_dataclass(value) and not isinstance(value, type):
         return asdict(value)
     return value.item() if isinstance(value, np.generic) else str(value)
@@ -144,7 +144,7 @@ def _plain(value: Any) -> Any:
 def _require_one_run(
     header: Header, *, time: np.ndarray, positions: np.ndarray, outputs: dict[str, np.ndarray], inputs: dict[str, np.ndarray]
 ) -> None:
-    """ValueError where the arrays and numbers are not those of one run."""
+    """Raises ValueError if the arrays and numbers are not those of one run."""
     lattice = header.lattice
     if lattice and (positions.shape[1:4] != lattice.points or lattice.basis not in BASES):
         raise ValueError(f"positions of shape {positions.shape} of {lattice}")
@@ -160,14 +160,14 @@ def _require_one_run(
         raise ValueError(f"header, summary.warnings: wanted a list, got {header.summary['warnings']!r:.70}")
 
 
-# ---- arrays by name in one file, which numpy's own savez would not write for any name ----
+# ---- arrays by name in one file; numpy's own savez would not write every name ----
 
 UNREADABLE = (OSError, ValueError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error, MemoryError, OverflowError)
-"""What archives raise that are none, or damaged."""
+"""Errors raised by a file that is damaged or no archive."""
 
 
 def write_arrays(stream: BinaryIO, arrays: Mapping[str, Any]) -> None:
-    """Writes the whole archive, compressed and each entry with its checksum. Nothing is pickled: ValueError for arrays of objects."""
+    """Writes the whole archive, compressed, and each entry with its checksum. Nothing is pickled: ValueError for arrays of objects."""
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, values in arrays.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
@@ -175,7 +175,7 @@ def write_arrays(stream: BinaryIO, arrays: Mapping[str, Any]) -> None:
 
 
 def read_arrays(path: Path, what: str) -> dict[str, np.ndarray]:
-    """All arrays of a file that should be a `what`, "sweep"; SoftffdError where it is missing, damaged, or larger than the memory."""
+    """Returns all arrays of a file that should be a `what`, "sweep"; SoftffdError if it is missing, damaged, or larger than the memory."""
     try:
         with zipfile.ZipFile(path) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
@@ -192,5 +192,5 @@ def read_arrays(path: Path, what: str) -> dict[str, np.ndarray]:
 
 
 def damaged(path: Path, what: str, fault: object) -> SoftffdError:
-    """Of a file that should be a `what`."""
+    """Returns the error for a damaged file that should be a `what`."""
     return SoftffdError(f"{shown(path)}: damaged, or no {what} that softffd wrote ({fault})")

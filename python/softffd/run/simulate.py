@@ -38,24 +38,24 @@ def simulate(
     output: Iterable[str] | str | None = None, start_time: float = 0.0, tolerance: float | None = None, method: str | None = None,
     open_end: bool = False, progress: Progress | None = None, begun: Begun | None = None,
 ) -> Result:  # fmt: skip
-    """Runs a scene or an FMU from start to stop time and returns its outputs.
+    """Runs a scene or an FMU from start to stop time and returns its Result.
 
     scene_or_fmu: a scene, the path of its file, the name of a shipped one, or the path of an FMU.
     stop_time, step: end and communication step [s], > 0; the scene's or FMU's own by default. A last step that is left over is shorter.
     start_values: parameters and inputs by name, numbers or vectors.
-    inputs: values over time, or constants in a dict (see softffd.run.inputs.Inputs); by default a scene's own, of the CSV file beside it
-    (scene.default_inputs). inputs={} for none.
+    inputs: values over time, or constants in a dict (see softffd.run.inputs.Inputs); by default the scene's own, from the CSV file beside
+        it (scene.default_inputs). inputs={} for none.
     output: names of the outputs to record, all by default: single ones, vectors, or what they belong to, as "position", "plane.press",
-    "energy".
-    start_time: [s], before the stop time.
-    tolerance, method: instead of the scene's own, as in Simulation.
-    open_end: do not tell the component when the run ends, over which its errors add up; it takes the scene's stop time for that.
+        "energy".
+    start_time: start of the run [s], before the stop time.
+    tolerance, method: as in Simulation; the scene's own by default.
+    open_end: do not give the component the end of the run, up to which errors add up; it then takes the scene's stop time for that end.
     interpolation: between communication points inputs are "held", "linear" or "cubic": forces and loads with continuous slopes, the others
-    linear (fmi2SetRealInputDerivatives). The values at the next communication point must then be known in advance.
-    progress: called as progress(share of the run in 0..1, simulated time [s]).
+        linear (fmi2SetRealInputDerivatives). Unless inputs are held, the values at the next communication point must be known in advance.
+    progress: called as progress(fraction of the run in 0..1, simulated time [s]).
     begun: called with the simulation and its inputs when everything is set, before the first step.
-    Raises FmuError where a name, a value or a step is refused, where a start value is given to what `inputs` drive, and where the result
-    would not fit into memory. Ctrl-C raises Interrupted, a KeyboardInterrupt that has the result so far.
+    Raises FmuError if a name, a value or a step is refused, if a variable that `inputs` drive has a start value, and if the result would
+    not fit into memory. Ctrl-C raises Interrupted, a KeyboardInterrupt that has the result so far.
     """
     if not math.isfinite(one_number("start time", start_time)):
         raise FmuError(f"start time: wanted a finite number of s, got {start_time:g}")
@@ -99,7 +99,7 @@ def simulate(
 
 
 class _Run(Drive):
-    """A run whose inputs come from a source, and what it gives back."""
+    """A run whose inputs come from a source, and which returns a Result."""
 
     def __init__(
         self, simulation: Simulation, source: Inputs, stop_time: float, step: float, interpolation: Interpolation, chosen: set[str]
@@ -113,13 +113,13 @@ class _Run(Drive):
         times = communication_points(stop_time, step, simulation.time, bytes_each=8 * recorded)
         super().__init__(simulation, times, step, driven, outputs, single=source.is_function or interpolation != "held")
         self._source = source
-        self._tuning = source.changes(times)  # what tunable parameters are still to change to, by rows
+        self._tuning = source.changes(times)  # values that tunable parameters are still to take, by row
         self._slopes = {"linear": source.rates, "cubic": source.bends}.get(interpolation)
         self._moving = [n for n, variable in enumerate(driven[: len(source.names)]) if variable.kind == "Real"]
-        """Which of the source's names are Reals that it gives itself"""
+        """Indices of the Reals among the variables that the source gives itself"""
         self._rates = component.block_of([driven[n] for n in self._moving])
         self.changes: list[tuple[int, tuple[str, str]]] = []
-        """Communication steps in which the method or its reason were new; those before the first step are its own"""
+        """Communication steps in which the method or its reason was new, with both; a choice before the first step counts for that step"""
 
     def fill(self, first: int, until: int) -> None:
         if first < until:
@@ -136,7 +136,7 @@ class _Run(Drive):
             self._rates.set_rates(self._slopes(*self.times[row : row + 2])[..., self._moving])
 
     def to_the_end(self, progress: Progress | None) -> bool:
-        """All steps; False where it was interrupted on the way: what there is ends then with the last step that was done."""
+        """Does all steps. False if the run was interrupted on the way: its rows then end with the last step that was done."""
         last, whole = len(self.times) - 1, True
         report_every = max(1, last // 200)
         try:
@@ -154,7 +154,7 @@ class _Run(Drive):
 
     @contextmanager
     def _choices_heard(self) -> Iterator[None]:
-        """Meanwhile what the component says of a method that takes over is noted in `changes`."""
+        """While the block runs, records the component's messages about a method that takes over; the choices are then in `changes`."""
         component = self._simulation.component
         listener = component.listener
         said = [(0, message) for message in component.messages]
@@ -172,7 +172,7 @@ class _Run(Drive):
             self.changes = [(row, choice) for row, message in said if (choice := choice_in(message.text))]
 
     def result(self, summary: dict[str, Any], starts: Mapping[str, float], scene: Scene | None) -> Result:
-        """starts: the numbers of parameters and inputs before the first step."""
+        """Returns the Result. starts: the numbers of parameters and inputs before the first step."""
         component, rows = self._simulation.component, slice(self.done + 1)
         block, values = self.outputs["Real"]
         moved = sum(map(is_position, block.names))
@@ -195,8 +195,8 @@ def _starts(component: Component) -> dict[str, float]:
 
 
 def _positions(names: Sequence[str], values: np.ndarray, lattice: LatticeBox | None) -> np.ndarray:
-    """(T, nx, ny, nz, 3) from values (T, m) of variables position[i,j,k].c in the order of their places: a view where all are there, else
-    with NaN where there is none. Without a lattice the largest indices count."""
+    """Returns (T, nx, ny, nz, 3) from values (T, m) of variables position[i,j,k].c in the order of their places: a view if all
+    variables are there, else an array with NaN for those that are not. Without a lattice the largest indices give the counts."""
     indices = places(names)
     counts = lattice.points if lattice else tuple(indices[:, :3].max(axis=0, initial=-1) + 1)
     if len(names) == 3 * math.prod(counts):
@@ -208,10 +208,10 @@ def _positions(names: Sequence[str], values: np.ndarray, lattice: LatticeBox | N
 
 
 def _recorded_outputs(component: Component, wanted: Iterable[str] | str | None) -> set[str]:
-    """The names of the outputs to record; all without a choice but Strings, which no result has.
+    """Returns the names of the outputs to record; without a choice all but Strings, which no result has.
 
-    A name means the output that has it and all that belong to it: plane.press.reaction.z, plane.press.reaction, plane.press, energy,
-    position[0,0,1], position. FmuError, with the nearest name, where no output is meant.
+    A name selects the output of that name and all that belong to it: plane.press.reaction.z, plane.press.reaction, plane.press, energy,
+    position[0,0,1], position. FmuError, with the nearest name, if a name selects no output.
     """
     by_name = belonging(component.numbers("output"))
     names: set[str] = set()
@@ -230,10 +230,10 @@ def _unknown(name: str, component: Component, choices: Collection[str]) -> FmuEr
 
 
 def shares(changes: Sequence[tuple[int, tuple[str, str]]], times: np.ndarray) -> list[dict[str, Any]]:
-    """What each method with its reason took of a run, most first: method, reason, simulated_s, share in 0..1, communication_steps.
+    """Returns what each method with its reason took of a run, most first: method, reason, simulated_s, share in 0..1, communication_steps.
 
-    changes: the communication steps, from 0, in which a choice was new, in their order, with it. times: communication points (T,) [s].
-    Without changes, as of a component that tells of no choice, there is nothing.
+    changes: the communication steps, from 0, in which a choice was new, in order, with the choice. times: communication points (T,) [s].
+    Without changes, as for a component that reports no choice, the list is empty.
     """
     ends = [row for row, _ in changes[1:]] + [len(times) - 1]
     taken: dict[tuple[str, str], list[float]] = {}

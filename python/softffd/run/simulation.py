@@ -1,4 +1,4 @@
-"""A running FMU: stepped, read, set, saved and restored by name. Every host of this package stands on it."""
+"""A running FMU that is stepped, read, set, saved and restored by name. Every host of this package uses it."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from softffd.run.variables import Variables
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
-HEAD = struct.Struct("<8sd?")  # before the FMU's own bytes of a state: a mark, the time [s], whether the first step is still to come
+HEAD = struct.Struct("<8sd?")  # before the FMU's own bytes of a state: mark, time [s], whether the first step is still to come
 MARK = b"softffd1"
 
 
 class State:
-    """A moment of a simulation, made by `Simulation.save`. `bytes(state)` goes to a file or another process.
+    """A saved state of a simulation, made by `Simulation.save`. `bytes(state)` goes to a file or another process.
 
-    It is freed with the last reference to it, or with the simulation.
+    The state is freed with the last reference to it, or with the simulation.
     """
 
     def __init__(self, component: Component, time: float, initializing: bool):
@@ -50,7 +50,7 @@ class State:
 
 
 class Simulation(Variables):
-    """One FMU of a scene, from its start on. Use as a context manager.
+    """One FMU of a scene, running from its start. Use as a context manager.
 
         with softffd.Simulation(scene, tolerance=1e-5) as sim:
             sim.plane["plate"].point = (0, 0, 0.9)
@@ -61,17 +61,17 @@ class Simulation(Variables):
         the end.
     tolerance: error aimed at in any control point, or node of a solid, at the end of the run, relative to the box's largest side; the
         scene's own by default.
-    method: of the time integration, as `solver.method` in the scene.
+    method: method of the time integration, as `solver.method` in the scene.
     start_values: parameters and inputs by name, numbers or vectors.
-    start_time, stop_time: of the run [s]; without a stop time the tolerance holds for a run as long as the scene's, with one no step may
-        go past it.
-    log: is called with each Message (status, category, text) when it is said, e.g. `print`; `sim.log` has all of them.
+    start_time, stop_time: start and end of the run [s]. Without a stop time the tolerance holds for a run as long as the scene's; with
+        one, no step may go past it.
+    log: called with each Message (status, category, text) as it arrives, e.g. `print`; `sim.log` has all messages.
 
-    Until the first step, `initialize` or `restart` everything can be set, fixed parameters too; then inputs and tunable parameters.
-    Vectors are set by assignment of the whole, `plate.point = (0, 0, 0.9)`, or of one component by its name,
-    `sim["plane.plate.point.z"] = 0.9`. What is read is an array of its own, a copy, but for blocks, whose buffers are kept.
-    Wrong names, values out of range and refused steps raise FmuError. A discarded step leaves time and state as they were; the standard
-    then allows to read, `restore` and `restart`.
+    Everything, fixed parameters too, can be set until the first step or `initialize`, and again after `restart`; later only inputs and
+    tunable parameters. A vector is set by assigning the whole, `plate.point = (0, 0, 0.9)`, or one component by its name,
+    `sim["plane.plate.point.z"] = 0.9`. Reading returns a copy, except for blocks, whose buffers are kept. Wrong names, values out of range
+    and refused steps raise FmuError. A discarded step leaves time and state as they were; the standard then allows reading, `restore` and
+    `restart`.
     """
 
     def __init__(
@@ -90,13 +90,13 @@ class Simulation(Variables):
             self.component.close()
             raise
 
-    # ---- life ----
+    # ---- start, steps, end ----
 
     def _begin(
         self, method: str | None, values: Mapping[str, Any] | None, *, tolerance: float | None, start_time: float, stop_time: float | None
     ) -> None:
         self.time = one_number("start time", start_time)
-        """Of the communication point [s]"""
+        """Time of the communication point [s]"""
         self.initializing = True
         for name, value in {**({} if method is None else {"solver.method": method}), **(values or {})}.items():
             self[name] = value
@@ -105,17 +105,17 @@ class Simulation(Variables):
         self.component.set_up(start_time=start_time, stop_time=stop_time, tolerance=tolerance)
 
     def initialize(self) -> None:
-        """Ends the initialization, which the first step does otherwise. FmuError where what was set cannot be started from."""
+        """Ends the initialization; otherwise the first step does. FmuError if the FMU cannot start from the values that were set."""
         if self.initializing:
             self.component.exit_initialization()
             self.initializing = False
 
     def step(self, length: float | None = None, *, end: float | None = None) -> None:
-        """One communication step.
+        """Does one communication step.
 
-        length: [s], > 0; by default the communication step of the scene.
-        end: the time [s] that it is then, for a host that counts it otherwise, as a multiple of its step; time + length by default.
-        Raises FmuError with the component's words for a step that it refuses or discards; time and state are then those before.
+        length: length of the step [s], > 0; by default the communication step of the scene.
+        end: time at the end of the step [s], for a host that computes it otherwise, as a multiple of its step; time + length by default.
+        Raises FmuError with the component's message for a step that it refuses or discards; time and state are then those before the step.
         """
         if length is None:
             length = self.component.interface.step
@@ -132,7 +132,7 @@ class Simulation(Variables):
         self, *, tolerance: float | None = None, method: str | None = None, start_values: Mapping[str, Any] | None = None,
         start_time: float = 0.0, stop_time: float | None = None,
     ) -> None:  # fmt: skip
-        """Begins again as if just opened, with the settings given here alone; forgets the log. Saved states keep their use."""
+        """Begins again as if just opened, with only the settings given here; clears the log. Saved states remain usable."""
         self.component.reset()
         self.component.messages.clear()
         self._begin(method, start_values, tolerance=tolerance, start_time=start_time, stop_time=stop_time)
@@ -159,11 +159,12 @@ class Simulation(Variables):
     # ---- states ----
 
     def save(self) -> State:
-        """This moment, to go back to as often as wanted; the time belongs to it. bytes(state) are for files and other processes."""
+        """Returns the state of this moment, with its time, to restore as often as wanted. bytes(state) are for files and other
+        processes."""
         return State(self.component, self.time, self.initializing)
 
     def restore(self, state: State | bytes) -> None:
-        """Back to a saved moment, also one of another simulation of the same scene or its bytes; it continues with the same bits.
+        """Returns to a saved state, also one of another simulation of the same scene, or its bytes; the run continues with the same bits.
 
         Raises FmuError for damaged bytes and states of other scenes; the simulation is then as it was before.
         """
@@ -186,23 +187,24 @@ class Simulation(Variables):
 
     @property
     def lattice(self) -> LatticeBox | None:
-        """Counts, box at rest and basis; None for an FMU that is not of this package."""
+        """Numbers of control points, box at rest and basis; None for an FMU that is not of this package."""
         return self.component.lattice
 
     @property
     def positions(self) -> np.ndarray:
-        """The control points (nx, ny, nz, 3) [m], a read-only copy; NaN for those that are not among the outputs."""
+        """The positions of the control points (nx, ny, nz, 3) [m], a read-only copy; NaN for those that are not among the outputs."""
         return self._field("position").read()
 
     @property
     def velocities(self) -> np.ndarray:
-        """Their velocities (nx, ny, nz, 3) [m/s], a read-only copy; NaN for those that are no outputs. FmuError where none is."""
+        """The velocities of the control points (nx, ny, nz, 3) [m/s], a read-only copy; NaN for those that are no outputs. FmuError if
+        none is."""
         return self._field("velocity").read()
 
     @property
     def forces(self) -> np.ndarray:
-        """The outside forces on the control points (nx, ny, nz, 3) [N], a read-only copy, to be assigned as a whole; NaN where there is no
-        input. `sim.force[i, j, k]` sets single ones."""
+        """The external forces on the control points (nx, ny, nz, 3) [N], a read-only copy, to be assigned as a whole; NaN where there
+        is no input. `sim.force[i, j, k]` sets the force on one control point."""
         return self._field("force").read()
 
     @forces.setter
@@ -217,19 +219,19 @@ class Simulation(Variables):
     @cached_property
     def obstacle(self) -> Parts[Obstacle]:
         """Planes, spheres, cylinders and boxes by name: .point .normal .velocity .angular_velocity .friction .reaction .torque .centre
-        .contacts, of a box .rotation in the place of .normal; of a free body also .position .orientation .mass .force .reaction_torque,
-        and .start_velocity .start_angular_velocity."""
+        .contacts. A box has .rotation in the place of .normal. A free body also has .position .orientation .mass .force
+        .reaction_torque, and .start_velocity .start_angular_velocity."""
         return Parts("obstacle", self, Obstacle, of=OBSTACLES)
 
     @cached_property
     def plane(self) -> Parts[Obstacle]:
-        """The planes alone."""
+        """The planes by name, as in `obstacle`."""
         return Parts("plane", self, Obstacle)
 
     @cached_property
     def pin(self) -> Parts[Pin]:
-        """The pins by name: .position .orientation .velocity .angular_velocity .reaction .torque; of a free body also .mass .force
-        .reaction_torque"""
+        """The pins by name: .position .orientation .velocity .angular_velocity .reaction .torque; a free body also has .mass .force
+        .reaction_torque."""
         return Parts("pin", self, Pin)
 
     @cached_property
@@ -239,7 +241,7 @@ class Simulation(Variables):
 
     @cached_property
     def probe(self) -> Vectors:
-        """The probes by name: points (3,) [m] of the object where it is now."""
+        """The probes by name: current positions (3,) [m] of points of the object."""
         return Vectors("probe", self)
 
     @cached_property
@@ -249,10 +251,10 @@ class Simulation(Variables):
 
     @cached_property
     def force(self) -> PointVectors:
-        """Outside forces on single control points: sim.force[i, j, k] = (0, 0, -1) [N]."""
+        """External forces on single control points: sim.force[i, j, k] = (0, 0, -1) [N]."""
         return PointVectors("force", self)
 
-    # ---- what it says ----
+    # ---- messages ----
 
     @property
     def log(self) -> list[Message]:
@@ -261,27 +263,27 @@ class Simulation(Variables):
 
     @property
     def warnings(self) -> list[str]:
-        """The texts of warnings and worse so far."""
+        """The texts of all warnings, and of more severe messages, so far."""
         return self.component.warnings()
 
     def methods(self) -> list[tuple[str, str]]:
-        """The methods that took over so far and why, in their order."""
+        """Returns the methods that took over so far, each with its reason, in their order."""
         return [choice for message in self.log if (choice := choice_in(message.text))]
 
 
-BEGINS = "; internal step"  # what follows method and reason in the message of a choice
+BEGINS = "; internal step"  # the text after method and reason in a message about a choice
 
 
 def choice_in(text: str) -> tuple[str, str] | None:
-    """Method and reason in a message of a component; None in one that tells of no choice."""
+    """Returns method and reason from a message of a component; None for a message that reports no choice."""
     method, _, reason = text.partition(BEGINS)[0].partition(": ")
     return (method, reason) if BEGINS in text else None
 
 
 def run_source(scene_or_fmu: Any, who: str) -> Scene | Path:
-    """The path of an FMU, which ends in .fmu, or the scene that is given by itself, by its file's path or by its name."""
+    """Returns the path of an FMU, which ends in .fmu, or the scene that is given by itself, by its file's path or by its name."""
     if isinstance(scene_or_fmu, str | Path) and Path(scene_or_fmu).suffix.lower() == ".fmu":
         return Path(scene_or_fmu)
-    from softffd.scene.scene import scene_of  # brings pydantic along, which those who have an FMU do without
+    from softffd.scene.scene import scene_of  # imports pydantic, which is not needed for an FMU
 
     return scene_of(scene_or_fmu, who, "a Scene, the path or name of one, or the path of an FMU")

@@ -1,4 +1,4 @@
-"""Runs a scene or an FMU for every combination of some values: the table that comes of it, and its files."""
+"""Runs a scene or an FMU for every combination of some values: the resulting table, and its files."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 COMPARED = ("fmu", "library", "values", "outputs", "start_values", "inputs", "stop_time", "step", "tolerance", "method")
-KEEP_EVERY = 10.0  # the file of a sweep is written so often [s]
+KEEP_EVERY = 10.0  # interval at which the file of a sweep is written [s]
 
 
 def sweep(
@@ -41,17 +41,17 @@ def sweep(
     scene_or_fmu: a scene, the path of its file, the name of a shipped one, or the path of an FMU.
     vary: values by the name of a parameter or input of the FMU.
     outputs: names, for the value at the end of the run, or "max(NAME)", "min(NAME)", "mean(NAME)" over its communication points; a
-    vector's name means its components. By default all outputs but those at control points.
-    stop_time, step, start_values, inputs, tolerance, method: of every run, as for `simulate`. What `inputs` or start
-        values give cannot be varied.
-    jobs: processes, by default this one. In more than one a run that takes its process down is a failed run too.
-    executor: any of concurrent.futures, such as `client.get_executor()` of a distributed.Client, MPIPoolExecutor of mpi4py, or loky's: the
-    runs are made by its workers, which need the same softffd and no files. It stays open; where it goes on without a worker that a run
-    took down, that is a failed run too.
-    file: NPZ file that keeps what is done, written whole or not at all: of an interrupted sweep the same call makes what is missing.
+        vector's name means its components. By default all outputs but those at control points.
+    stop_time, step, start_values, inputs, tolerance, method: settings of every run, as for `simulate`. A variable that `inputs` or the
+        start values give cannot be varied.
+    jobs: number of processes, by default this one. With more than one, a run that takes its process down counts as a failed run too.
+    executor: any of concurrent.futures, such as `client.get_executor()` of a distributed.Client, MPIPoolExecutor of mpi4py, or loky's. Its
+        workers make the runs; they need the same softffd and no files. The executor stays open; if it goes on without a worker that a run
+        took down, that run counts as failed too.
+    file: NPZ file that keeps the runs that are done, written whole or not at all. After an interrupt the same call makes the missing runs.
     progress: called as progress(runs done, runs of the sweep).
-    A run that fails is NaN in the table, with its words. Raises FmuError where a name or a value cannot be used in any run, and
-    SoftffdError where `file` holds another sweep.
+    A run that fails is NaN in the table, with its message. Raises FmuError if a name or a value cannot be used in any run, and
+    SoftffdError if `file` holds another sweep.
     """
     require_workers(jobs, executor)
     plan = plan_of(
@@ -64,7 +64,7 @@ def sweep(
     kept = clock.monotonic()
     try:
         processes = min(jobs or 1, max(2, len(missing)))
-        with runner(processes, executor) as make, closing(make(plan, missing)) as runs:  # an interrupt ends what is under way
+        with runner(processes, executor) as make, closing(make(plan, missing)) as runs:  # an interrupt ends the runs under way
             for count, (index, result) in enumerate(runs, table.done.size - len(missing) + 1):
                 table.note(index, result)
                 if file is not None and clock.monotonic() - kept > KEEP_EVERY:
@@ -85,7 +85,7 @@ def sweep(
 
 
 def _begun(plan: Plan, file: Path | None) -> Sweep:
-    """The table as it is in the file, else an empty one; SoftffdError where the file holds something else or cannot be written."""
+    """Returns the table in the file, else an empty one; SoftffdError if the file holds something else or cannot be written."""
     table = Sweep.empty(plan)
     if file is None:
         return table
@@ -99,7 +99,7 @@ def _begun(plan: Plan, file: Path | None) -> Sweep:
 
 
 def require_workers(jobs: int | None, executor: Executor | None) -> None:
-    """SoftffdError where there cannot be so many processes, or where the executor is none."""
+    """Raises SoftffdError if so many processes are not possible, or if the executor is none."""
     if jobs is not None and executor is not None:
         raise SoftffdError("jobs: wanted without an executor, whose workers decide how many runs there are at a time")
     if executor is not None and not hasattr(executor, "submit"):
@@ -119,11 +119,11 @@ class Sweep:
     outputs: dict[str, np.ndarray]
     """Each output over the grid; NaN where the run failed or is still to come"""
     messages: np.ndarray
-    """Over the grid: the words of a run that failed, empty for others"""
+    """Over the grid: the message of a run that failed, empty for other runs"""
     done: np.ndarray
-    """Over the grid: whether the run is made"""
+    """Over the grid: True if the run is done"""
     about: dict[str, Any]
-    """title, units by name, stop_time and step [s], and what tells one sweep from another"""
+    """title, units by name, stop_time and step [s], and the settings that distinguish one sweep from another"""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "values", Columns(self.values, "varied variable"))
@@ -131,7 +131,7 @@ class Sweep:
 
     @classmethod
     def empty(cls, plan: Plan) -> Sweep:
-        """Of a sweep that has not begun."""
+        """Returns the table of a sweep that has not begun."""
         names = [str(reading) for reading in plan.readings]
         units = plan.about["units"] | {str(reading): plan.about["units"][reading.name] for reading in plan.readings}
         asked = {
@@ -151,7 +151,7 @@ class Sweep:
         return f"<Sweep of {self.about['title']!r}: {grid}; {count} runs, {len(self.failures)} failed; {', '.join(self.outputs)}>"
 
     def note(self, index: Index, result: np.ndarray | str) -> None:
-        """Enters a run: its outputs in their order, or the words of what failed."""
+        """Enters a run: its outputs in their order, or the message of its failure."""
         if isinstance(result, str):
             self.messages[index] = result
         else:
@@ -161,14 +161,14 @@ class Sweep:
 
     @property
     def failures(self) -> list[tuple[dict[str, Any], str]]:
-        """The values and the words of each run that failed."""
+        """The varied values and the message of each run that failed."""
         return [(self._at(index), str(self.messages[index])) for index in np.ndindex(self.done.shape) if self.messages[index]]
 
     def _at(self, index: Index) -> dict[str, Any]:
         return {name: values[i].item() for i, (name, values) in zip(index, self.values.items(), strict=True)}
 
     def differences(self, other: Sweep) -> list[str]:
-        """What of the question is not the same; empty for the same sweep."""
+        """Returns the settings in which two sweeps differ; empty for the same sweep."""
         return [key.replace("_", " ") for key in COMPARED if self.about.get(key) != other.about.get(key)]
 
     # ---- files and other forms ----
@@ -184,7 +184,7 @@ class Sweep:
 
     @classmethod
     def load(cls, file: str | Path) -> Sweep:
-        """A saved sweep; SoftffdError for a file that is none."""
+        """Returns a saved sweep; SoftffdError for a file that is none."""
         kept = read_arrays(Path(file), "sweep")
         try:
             about = json.loads(str(kept["sweep.about"]))
@@ -203,7 +203,7 @@ class Sweep:
             raise damaged(Path(file), "sweep", fault) from None
 
     def to_csv(self, file: str | Path) -> Path:
-        """Writes a row for each run: values, outputs, and the words of what failed."""
+        """Writes a row for each run: values, outputs, and the message of a failure. Returns the path of the file."""
         rows = (
             [*self._at(index).values(), *(f"{column[index]:.17g}" for column in self.outputs.values()), self.messages[index]]
             for index in np.ndindex(self.done.shape)
@@ -212,7 +212,7 @@ class Sweep:
         return Path(file)
 
     def to_xarray(self) -> Any:
-        """An xarray.Dataset: the varied variables are its dimensions, the outputs its variables. SoftffdError where xarray is missing."""
+        """Returns an xarray.Dataset: varied variables are its dimensions, outputs its variables. SoftffdError if xarray is missing."""
         xarray = package("xarray", "to_xarray", "datasets")
         units = self.about["units"]
         data = {name: (tuple(self.values), column, {"units": units[name]}) for name, column in self.outputs.items()}
@@ -220,7 +220,7 @@ class Sweep:
         return xarray.Dataset(data, axes, {"title": self.about["title"]})
 
     def plot(self, file: str | Path | None = None, *, outputs: Iterable[str] | str | None = None) -> Any:
-        """A matplotlib Figure of some outputs, all by default: lines over one varied variable, maps over two; written where `file` says."""
+        """Returns a matplotlib Figure of outputs, all by default: lines over one variable, maps over two; written to `file` if given."""
         from softffd.show.sweep import draw
 
         names = self.outputs if outputs is None else [outputs] if isinstance(outputs, str) else outputs

@@ -1,4 +1,4 @@
-"""What a sweep is asked for, checked against the FMU before the first run."""
+"""The plan of a sweep, checked against the FMU before the first run."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ END, COURSE, FOLDS = "end", "course", ("max", "min", "mean")
 MOST_RUNS = 10_000_000
 SETTABLE = ("parameter", "input")
 
-Index = tuple[int, ...]  # of a run in the grid
+Index = tuple[int, ...]  # indices of a run in the grid
 
 
 class Reading(NamedTuple):
-    """What is read of a run: an output at its end, or folded over its communication points."""
+    """A value that is read from a run: an output at the end of the run, or folded over its communication points."""
 
-    fold: str  # "end", "max", "min" or "mean"; of a fit "course", all its values
+    fold: str  # "end", "max", "min" or "mean"; for a fit "course", all values
     name: str
 
     def __str__(self) -> str:
@@ -45,28 +45,28 @@ class Reading(NamedTuple):
 
 @dataclass(frozen=True)
 class Plan:
-    """All that a worker needs, and what tells one sweep from another. It goes to other processes."""
+    """All that a worker needs, and what distinguishes one sweep from another. The plan is sent to other processes."""
 
     source: Scene | Path
     given: dict[str, list[Any]]  # the values of each varied variable as they were given: numbers or names
-    numbers: dict[str, list[Any]]  # the numbers that stand for them; of a String its texts
+    numbers: dict[str, list[Any]]  # the numbers that stand for these values; for a String, its texts
     readings: tuple[Reading, ...]
     start_values: dict[str, Any]
-    settings: dict[str, Any]  # tolerance and method of all runs, where they are given
+    settings: dict[str, Any]  # tolerance and method of all runs, if they are given
     stop_time: float
     step: float
     times: np.ndarray  # the communication points (T,) [s]
-    driven: tuple[str, ...]  # inputs that go over time
-    course: np.ndarray  # their values (T - 1, m) from each communication point to the next
+    driven: tuple[str, ...]  # names of the inputs over time
+    course: np.ndarray  # values of these inputs (T - 1, m) from each communication point to the next
     about: dict[str, Any]  # title, units and the fingerprints of the FMU and its library
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of the grid."""
+        """Shape of the grid."""
         return tuple(map(len, self.numbers.values()))
 
     def start(self, index: Index) -> dict[str, Any]:
-        """The start values of one run of the grid."""
+        """Returns the start values of one run of the grid."""
         return self.start_values | {name: numbers[i] for i, (name, numbers) in zip(index, self.numbers.items(), strict=True)}
 
 
@@ -74,10 +74,10 @@ def plan_of(
     scene_or_fmu: Scene | str | Path, vary: Mapping[str, Iterable[Any]], outputs: Iterable[str] | str | None, *, stop_time: float | None,
     step: float | None, start_values: Mapping[str, Any] | None, inputs: Source | None, **given: Any,
 ) -> Plan:  # fmt: skip
-    """The plan of a sweep, see `sweep`; FmuError for what cannot be asked of this FMU. given: tolerance and method."""
+    """Returns the plan of a sweep, see `sweep`; FmuError for a request that this FMU cannot meet. given: tolerance and method."""
     settings = {key: value for key, value in given.items() if value is not None}
     what = run_source(scene_or_fmu, "sweep")
-    what = what.absolute() if isinstance(what, Path) else what  # for processes that begin in another folder
+    what = what.absolute() if isinstance(what, Path) else what  # for processes that start in another folder
     if inputs is None and not isinstance(what, Path):
         inputs = what.default_inputs
     with Simulation(what, start_values=start_values, **settings) as simulation:
@@ -156,7 +156,7 @@ def _readings(component: Component, outputs: Iterable[str] | str | None) -> tupl
 
 
 def _reading(component: Component, text: str, every: list[str]) -> list[Reading]:
-    """A reading from its text; one for each component of a vector."""
+    """Returns the readings that a text means: one, or one for each component of a vector."""
     call = re.fullmatch(r"\s*(\w+)\s*\((.*)\)\s*", text)
     fold, name = (call[1], call[2].strip()) if call else (END, text.strip())
     if call and fold not in FOLDS:

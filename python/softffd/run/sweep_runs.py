@@ -1,5 +1,5 @@
-"""The runs of a plan: in this process, in several, or on an executor of concurrent.futures, whose workers get the FMU as bytes. A component
-is opened once and reset between its runs."""
+"""Makes the runs of a plan: in this process, in several, or on an executor of concurrent.futures, whose workers get the FMU as bytes. A
+component is opened once and reset between its runs."""
 
 import math
 import sys
@@ -25,17 +25,17 @@ from softffd.run.sweep_plan import COURSE, END, Index, Plan
 FOLD: dict[str, Callable[[np.ndarray], Any]] = {
     END: lambda column: column[-1], "max": np.max, "min": np.min, "mean": np.mean, COURSE: lambda column: column,
 }  # fmt: skip
-CHUNKS, TOGETHER = 64, 50  # runs go to an executor in about so many chunks, of so many runs at most: an interrupt loses what is in them
+CHUNKS, TOGETHER = 64, 50  # approximate number of an executor's chunks of runs, most runs in one: an interrupt loses those in them
 LOST = "the worker process ended, each time that it was tried"
 
-Readings = np.ndarray | str  # of a run what was read (r,), of whole courses (r, T), or the words of what failed
+Readings = np.ndarray | str  # the values read from a run (r,), (r, T) for whole courses; or the message of its failure
 Make = Callable[[Plan, Sequence[Index]], Generator[tuple[Index, Readings]]]
-"""Makes runs of a plan; yields them as they come. To leave the iteration early ends or takes back what is under way."""
+"""Makes runs of a plan and yields each when it is done. Leaving the iteration early ends or cancels the runs under way."""
 
 
 @contextmanager
 def runner(jobs: int, executor: Executor | None) -> Iterator[Make]:
-    """What makes runs, for as long as the block lasts: processes and opened components are kept until then."""
+    """Yields the function that makes runs; processes and opened components are kept until the block ends."""
     if executor is not None:
         yield lambda plan, indices: _on_executor(executor, plan, indices)
     elif jobs == 1:
@@ -59,7 +59,8 @@ class Opened:
     _simulation: Simulation | None = None
 
     def run(self, plan: Plan, index: Index) -> Readings:
-        """The readings of a run, whose bits are those of `simulate`. plan: the same one each time, but for its values."""
+        """Returns the readings of a run, whose bits are those of `simulate`, or the message of its failure. plan: the same each time,
+        but for its values."""
         try:
             if self._simulation is None:
                 simulation = self._simulation = Simulation(plan.source)
@@ -83,14 +84,14 @@ class Opened:
 
 
 def _here(opened: dict[int, Opened], plan: Plan, indices: Sequence[Index]) -> Generator[tuple[Index, Readings]]:
-    """opened: by the identity of their plans' times, which plans that differ in values alone share."""
+    """Yields runs made in this process. opened: by the identity of their plans' times, which plans that differ only in values share."""
     one = opened.setdefault(id(plan.times), Opened())
     for index in indices:
         yield index, one.run(plan, index)
 
 
 def run_list(plan: Plan, runs: Sequence[Index]) -> list[Readings]:
-    """The results of some runs, in a process of this machine."""
+    """Returns the results of some runs, made in a process of this machine."""
     opened = Opened()
     try:
         return [opened.run(plan, index) for index in runs]
@@ -99,7 +100,7 @@ def run_list(plan: Plan, runs: Sequence[Index]) -> list[Readings]:
 
 
 def _read(simulation: Simulation, drive: Drive, plan: Plan) -> np.ndarray:
-    """The readings of a run from its first step on; FmuError with the time where it fails."""
+    """Does the steps of a run and returns its readings; FmuError with the time at which the run fails."""
     try:
         for _ in drive.run():
             pass
@@ -122,15 +123,15 @@ def _on_executor(executor: Executor, plan: Plan, indices: Sequence[Index]) -> Ge
 def _by_futures(
     submit: Callable[[Sequence[Index]], Future[list[Readings]]], indices: Sequence[Index], chunks: int
 ) -> Generator[tuple[Index, Readings]]:
-    """Runs whose worker ended are tried again, one at a time: what ends its worker then is a failed run. SoftffdError where workers have
-    another version or the executor takes nothing any more."""
+    """Yields runs as they are done. Runs whose worker ended are tried again, one at a time; a run that ends its worker again counts as
+    failed. SoftffdError if workers have another version or the executor takes no more runs."""
     together = max(1, min(TOGETHER, math.ceil(len(indices) / chunks)))
     given: dict[Future[list[Readings]], Sequence[Index]] = {}
 
     def give(runs: Sequence[Index]) -> Future[list[Readings]]:
         try:
             future = submit(runs)
-        except RuntimeError as error:  # it is broken or shut down
+        except RuntimeError as error:  # the executor is broken or shut down
             raise SoftffdError(f"executor: takes no runs any more: {error}") from None
         given[future] = runs
         return future
@@ -152,7 +153,7 @@ def _by_futures(
 
 
 def run_elsewhere(plan: Plan, fmu: bytes, runs: Sequence[Index], version: str) -> list[Readings]:
-    """The results of some runs, on a worker of an executor."""
+    """Returns the results of some runs, made on a worker of an executor."""
     if softffd.__version__ != version:
         raise SoftffdError(f"executor: a worker has softffd {softffd.__version__}, wanted {version}")
     with TemporaryDirectory(prefix="softffd-") as folder:
@@ -162,8 +163,8 @@ def run_elsewhere(plan: Plan, fmu: bytes, runs: Sequence[Index], version: str) -
 
 
 def _results(future: Future[list[Readings]]) -> list[Readings] | None:
-    """Of some runs; none where their worker ended, by the name of the error's type: ProcessExpired of pebble, BrokenProcessPool,
-    TerminatedWorkerError of loky, KilledWorker of Dask."""
+    """Returns the results of some runs; None if their worker ended, which the name of the error's type shows: ProcessExpired of pebble,
+    BrokenProcessPool, TerminatedWorkerError of loky, KilledWorker of Dask."""
     try:
         return future.result()
     except SoftffdError:
@@ -184,7 +185,7 @@ def _bytes_of(plan: Plan) -> bytes:
 
 
 class _Process(SpawnProcess):
-    """A process that does not run the user's script again, which need not be made for that."""
+    """A process that does not run the user's script again; the script need not be written for that."""
 
     def start(self) -> None:
         script = sys.modules["__main__"]
@@ -201,7 +202,7 @@ class _Context(SpawnContext):
 
 @contextmanager
 def _processes(count: int) -> Iterator[Any]:
-    """A pool of so many processes of this machine, which end with the block; their temporary files go then."""
+    """Yields a pool of `count` processes of this machine, which end with the block; their temporary files are then deleted."""
     from pebble import ProcessPool
 
     with TemporaryDirectory(prefix="softffd-", ignore_cleanup_errors=True) as scratch:

@@ -1,4 +1,4 @@
-"""Tables of other programs: inputs that come as one, CSV file or DataFrame of pandas, and a run as DataFrame or as Dataset of xarray."""
+"""Tables of other programs: inputs from a CSV file or a DataFrame of pandas, and a run as DataFrame or as Dataset of xarray."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from softffd.spelling import did_you_mean, nearest_of, number_in
 if TYPE_CHECKING:
     import xarray as xr
 
-POINTS = ("time", "i", "j", "k", "axis")  # dimensions of what there is at control points
-SEPARATORS = {";": "semicolons", "\t": "tabs"}  # what other programs put where a comma is wanted
+POINTS = ("time", "i", "j", "k", "axis")  # dimensions of arrays at control points
+SEPARATORS = {";": "semicolons", "\t": "tabs"}  # separators that other programs write instead of commas
 
 
-# ---- that come in ----
+# ---- input ----
 
 
 def is_data_frame(source: object) -> bool:
-    """Whether this is a DataFrame, without loading the package that it is of."""
+    """True if the source is a DataFrame; the package of the DataFrame is not loaded for the test."""
     return hasattr(source, "columns") and hasattr(source, "to_numpy")
 
 
 def structured_array(columns: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Columns (rows,) by name as a structured array (rows,)."""
+    """Returns columns (rows,) by name as a structured array (rows,)."""
     table = np.zeros(len(next(iter(columns.values()))), dtype=[(name, values.dtype) for name, values in columns.items()])
     for name, values in columns.items():
         table[name] = values
@@ -39,7 +39,7 @@ def structured_array(columns: Mapping[str, np.ndarray]) -> np.ndarray:
 
 
 def table_of(frame: Any) -> np.ndarray:
-    """A DataFrame as a structured array: its column `time`, else its index, and then its other columns."""
+    """Returns a DataFrame as a structured array: its column `time`, else its index, and then its other columns."""
     columns = {str(name): np.asarray(frame[name]) for name in frame.columns}
     time = columns.pop("time", None)
     if time is None:
@@ -50,10 +50,10 @@ def table_of(frame: Any) -> np.ndarray:
 
 
 def read_csv(path: Path, *, timed: bool = True) -> np.ndarray:
-    """A structured array (rows,) from a CSV file: a header line of `time` and names of inputs, then rows of numbers, times not decreasing.
-    Not `timed`, names of any variables, with or without a time among them.
+    """Returns a structured array (rows,) from a CSV file: a header line of `time` and names of inputs, then rows of numbers, times not
+    decreasing. Without `timed`, the header has names of any variables, with or without a time among them.
 
-    Empty lines and lines that begin with # are passed over. FmuError says which line is wrong and why.
+    Empty lines and lines that begin with # are skipped. FmuError says which line is wrong and why.
     """
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
@@ -69,7 +69,8 @@ def read_csv(path: Path, *, timed: bool = True) -> np.ndarray:
 
 
 def require_course(table: np.ndarray, what: str | list[str]) -> None:
-    """FmuError where a column of a structured array has a number that is not finite, or the times decrease. what: it is, or each row."""
+    """Raises FmuError if a column of a structured array has a number that is not finite, or if the times decrease. what: the name of
+    the array in messages, or a name for each row."""
     called = (lambda row: f"{what}: row {row}") if isinstance(what, str) else what.__getitem__
     names = table.dtype.names or ()
     for name in names:
@@ -81,7 +82,7 @@ def require_course(table: np.ndarray, what: str | list[str]) -> None:
 
 
 def checked(table: np.ndarray) -> np.ndarray:
-    """The structured array itself, if it can be inputs over time; FmuError otherwise."""
+    """Returns the structured array itself if it can be inputs over time; raises FmuError otherwise."""
     names = table.dtype.names
     if not names or names[0] != "time":
         raise FmuError(f"inputs: wanted a structured array whose first field is `time`, got {f'fields {names}' if names else table.dtype}")
@@ -131,11 +132,11 @@ def _numbers(where: str, names: list[str], words: list[str]) -> tuple[float, ...
     return tuple(numbers)
 
 
-# ---- that go out ----
+# ---- output ----
 
 
 def package(name: str, method: str, extra: str) -> Any:
-    """An optional package, for a method of this name; SoftffdError tells the extra where it is missing."""
+    """Returns an optional package, for a method of this name; SoftffdError names the extra to install if the package is missing."""
     try:
         return import_module(name)
     except ImportError:
@@ -143,7 +144,7 @@ def package(name: str, method: str, extra: str) -> Any:
 
 
 def dataset(time: np.ndarray, positions: np.ndarray, values: Mapping[str, np.ndarray], attributes: Mapping[str, Any]) -> xr.Dataset:
-    """The same with vectors as one array each, (time, axis), those at control points (time, i, j, k, axis), as the positions are."""
+    """Returns a run as a Dataset: each vector is one array (time, axis), at control points (time, i, j, k, axis), as the positions are."""
     xarray = package("xarray", "to_xarray", "datasets")
     arrays: dict[str, Any] = {"position": (POINTS, positions, {"units": "m"})}
     for name, members in _together(values).items():
@@ -153,7 +154,7 @@ def dataset(time: np.ndarray, positions: np.ndarray, values: Mapping[str, np.nda
 
 
 def _together(names: Iterable[str]) -> dict[str, list[str]]:
-    """Names of variables that make one array, by its name: those of a family at control points, and the x, y and z of a vector."""
+    """Returns names of variables that make one array, by its name: those of a family at control points, and the x, y and z of a vector."""
     groups: dict[str, list[str]] = {}
     for name in names:
         groups.setdefault(stem(name), []).append(name)
@@ -165,7 +166,7 @@ def _together(names: Iterable[str]) -> dict[str, list[str]]:
 
 
 def _array(members: list[str], values: Mapping[str, np.ndarray], shape: tuple[int, ...]) -> tuple[tuple[str, ...], np.ndarray]:
-    """Dimensions and values; NaN at control points that are not there."""
+    """Returns dimensions and values of an array; NaN at control points without such a variable."""
     columns = np.stack([values[name] for name in members], axis=1)
     if not at_point(members[0]):
         return (("time", "axis"), columns) if len(members) == 3 else (("time",), columns[:, 0])

@@ -1,4 +1,4 @@
-"""The variables of a component by name: single ones and vectors, read and set; and blocks of them."""
+"""Reads and sets the variables of a component by name: single variables and vectors; and blocks of variables."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -14,14 +14,14 @@ from softffd.names import components_in, vectors_in
 
 
 class Variables:
-    """What reads and sets a component's variables by name; names of vectors mean their components."""
+    """Reads and sets a component's variables by name; the name of a vector means its components."""
 
     initializing = True
-    """Whether the first step is still to come, so that everything can be set"""
+    """True if the first step is still to come, so that everything can be set"""
 
     def __init__(self, component: Component):
         self.component = component
-        """The thin layer below: its calls are those of the standard"""
+        """The thin layer below, whose calls are those of the standard"""
         self._blocks: dict[str, Block] = {}
 
     @property
@@ -33,8 +33,8 @@ class Variables:
         return isinstance(name, str) and bool(self._components(name))
 
     def __getitem__(self, name: str) -> Any:
-        """A variable's value: a number, its name where it has one (`solver.method`), of a Boolean True or False, of a String its text; or,
-        where `name` has components .x .y .z, an array of them."""
+        """Returns a variable's value: a number, the name of the value if it has one (`solver.method`), for a Boolean True or False, for
+        a String its text; or, if `name` has components .x .y .z, an array of these."""
         if name not in self.variables:
             return self.vector(name)
         variable, value = self.variables[name], self._block(name).get().tolist()[0]
@@ -59,19 +59,19 @@ class Variables:
         self._block(name).set(given)
 
     def number(self, name: str) -> float | int:
-        """The value of one scalar variable; of a Boolean 0 or 1. FmuError for a String."""
+        """Returns the value of one scalar variable, 0 or 1 for a Boolean. FmuError for a String."""
         if self.component.variable(name).type == "String":
             raise FmuError(f"{name}: wanted a number, got a String")
         return self._block(name).get().tolist()[0]
 
     def vector(self, name: str) -> np.ndarray:
-        """The components (3,) or (4,) of a vector, a copy."""
+        """Returns the components (3,) or (4,) of a vector, a copy."""
         if name in self.variables:
             raise FmuError(f"{name}: wanted a vector, got a single number of that name")
         return self._block(name).get().astype(float)
 
     def _components(self, name: str) -> list[str]:
-        """The scalar variables that a name means: itself, or its components; of `stiffness` those of the kinds of springs."""
+        """Returns the scalar variables that a name means: itself, or its components; for `stiffness` those of the kinds of springs."""
         if name in self.variables:
             return [name]
         return list(components_in(self.variables, name, (*"wxyz", "edge", "face", "body")).values())
@@ -88,15 +88,16 @@ class Variables:
         return self._blocks[name]
 
     def block(self, names: Iterable[str] | str) -> Block:
-        """Variables that are set or got together, the fastest way: `block.values` is a kept buffer (m,), `block.get()` fills and returns
-        it, `block.set()` hands it over, `block.set_rates(...)` takes derivatives of inputs. A vector's name means all its components."""
+        """Returns variables that are set or read together, the fastest way: `block.values` is a kept buffer (m,), `block.get()` fills
+        and returns the buffer, `block.set()` hands it over, `block.set_rates(...)` takes derivatives of inputs. A vector's name means
+        all its components."""
         return self.component.block([each for name in ([names] if isinstance(names, str) else names) for each in self._named(name)])
 
     def set_rates(self, rates: Mapping[str, Any]) -> None:
-        """Time derivatives of inputs during the next step, by name: instead of being held, they move from the value that is set.
+        """Sets time derivatives of inputs for the next step, by name: the inputs are not held, but move from the values that are set.
 
-        Of a number its rate [unit / s], or a list of its first to third derivatives [unit / s, unit / s2, unit / s3]; of a vector an array
-        (3,), or (orders, 3). Forces and loads take orders 1 to 3, poses and velocities order 1.
+        For a number, its rate [unit / s], or a list of its first to third derivatives [unit / s, unit / s2, unit / s3]; for a vector, an
+        array (3,), or (orders, 3). Forces and loads take orders 1 to 3, poses and velocities order 1.
         """
         columns: dict[str, np.ndarray] = {}
         for name, given in rates.items():
@@ -112,7 +113,7 @@ class Variables:
 
 
 def _components_of(name: str, value: Any, count: int) -> list[Any]:
-    """As many values as there are components; words hold them between commas, and one number is the stiffness of all springs."""
+    """Returns as many values as there are components; a text has them between commas, and one number is the stiffness of all springs."""
     try:
         values = value.strip("[]() ").split(",") if isinstance(value, str) else list(value)
     except TypeError:

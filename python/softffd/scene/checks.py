@@ -1,4 +1,4 @@
-"""The second pass over a scene: what holds between its keys, or between them and the mesh."""
+"""The second pass of the validation of a scene: relations between its keys, and between its keys and the mesh."""
 
 import itertools
 from collections.abc import Iterator, Sequence
@@ -19,11 +19,14 @@ from softffd.scene.observed import Sensor
 from softffd.scene.selection import Selection, flat_indices
 from softffd.spelling import did_you_mean, nearest_of
 
-ROUNDING = 1e-9  # by how much of its edge a point may be outside the box
+ROUNDING = 1e-9  # fraction of the edge of the box by which a point may lie outside
 
 
 def cross_check(draft: Draft) -> list[Fault]:
-    """The problems between the sound keys of a draft. A check of a single key need not ask whether that is sound; one of others does."""
+    """Returns the problems between the sound keys of a draft.
+
+    A fault that a check finds at an unsound key is dropped here; a check asks `draft.sound` only for the other keys that it reads.
+    """
     checks = (
         _names, _idle_inputs, _counts, _selections, _mass, _inertia, _margin, _box, _control_points, _probes, material_check, solid_check,
         _contact, _sensors, free_check,
@@ -34,7 +37,7 @@ def cross_check(draft: Draft) -> list[Fault]:
 
 
 def _names(draft: Draft) -> Iterator[Fault]:
-    obstacles: dict[str, KeyPath] = {}  # whose variables begin alike
+    obstacles: dict[str, KeyPath] = {}  # obstacles of all kinds share one set of names
     for section in (*OBSTACLES, "pin", "load", "probe", "sensor"):
         owners = obstacles if section in OBSTACLES else {}
         for position, item in enumerate(getattr(draft.keys, section)):
@@ -174,7 +177,7 @@ def _probes(draft: Draft) -> Iterator[Fault]:
 
 
 def _outside(draft: Draft, bounds: np.ndarray) -> list[str]:
-    """The axes along which `bounds` (2, 3) leave the box by more than rounding; none where the box is not known."""
+    """Returns the axes along which `bounds` (2, 3) leave the box by more than rounding; an empty list if the box is not known."""
     if not draft.box:
         return []
     lower, size = np.array(draft.box)

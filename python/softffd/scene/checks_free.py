@@ -11,14 +11,14 @@ from softffd.scene.keys import SOLIDS
 from softffd.scene.rigid import Pin, Solid
 from softffd.scene.selection import flat_indices
 
-METHODS = ("auto", "leapfrog", "sdirk2")  # those that push free bodies back
-KEYS = ("mass", "density", "inertia", "guide")  # of free bodies alone
+METHODS = ("auto", "leapfrog", "sdirk2")  # methods under which the object moves free bodies
+KEYS = ("mass", "density", "inertia", "guide")  # keys that only free bodies have
 FREE, NO_TURNING = 'motion = "free"', "none beside guide, along which the body does not turn"
-ROUNDING = 1e-9  # by which fraction an inertia may exceed the sum of the others, and a velocity be off its guide
+ROUNDING = 1e-9  # fraction by which a moment of inertia may exceed the sum of the others, and a velocity deviate from its guide
 
 
 def free_check(draft: Draft) -> Iterator[Fault]:
-    """The problems of a draft's free bodies, and of keys that only they have."""
+    """Yields the problems of the free bodies of a draft, and of keys that only free bodies may have."""
     free = False
     for section in (*SOLIDS, "pin"):
         for position, item in enumerate(getattr(draft.keys, section)):
@@ -40,7 +40,7 @@ def free_check(draft: Draft) -> Iterator[Fault]:
 
 
 def _bonded(draft: Draft, path: KeyPath, pin: Pin) -> Iterator[Fault]:
-    """The points of a free pin tell how its part turns, and meet obstacles by the surface that they carry."""
+    """Checks that the points of a free pin determine its rotation, unless it has a guide, and that obstacles act on the mesh, if any."""
     keys = draft.keys
     if keys.obstacles and (keys.mesh is None or keys.contact.of == "lattice") and draft.sound("mesh") and draft.sound("contact", "of"):
         needs = '; it needs a [mesh], and [contact] of = "surface"'
@@ -50,7 +50,7 @@ def _bonded(draft: Draft, path: KeyPath, pin: Pin) -> Iterator[Fault]:
     try:
         chosen = flat_indices(pin.points, draft.counts)
     except ValueError:
-        return  # told elsewhere
+        return  # `_selections` in checks.py reports this fault
     places = np.array([point_at(int(each), draft.counts) for each in chosen], dtype=float).reshape(-1, 3)
     if len(places) > 0 and np.linalg.matrix_rank(places - places[0]) < 2:
         why = ": they do not hold the part against turning"

@@ -1,5 +1,5 @@
-"""The checks of the material: of springs stiffness or modulus, what of it regions may override, and the cells that a modulus needs; of a
-solid its lattice and its methods; and keys that only the other of the two has."""
+"""The checks of the material. Springs: stiffness or modulus, the keys that regions may override, and the cells that a modulus needs. A
+solid: its lattice and its methods. Both: keys that only the other model has."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -25,33 +25,33 @@ from softffd.scene.sections import Stiffness
 from softffd.scene.selection import Ranges, Selection, flat_indices
 
 OF_CELLS = ("youngs_modulus", "internal_damping", "density")
-"""Keys of a region that hold in its cells; `internal_damping` where the material has a modulus."""
+"""Keys of a region that apply to its cells; `internal_damping` does so only if the material has a modulus."""
 OF_SPRINGS = {
     ("material", "stiffness"): "youngs_modulus and poissons_ratio say how stiff it is",
     ("material", "volume_stiffness"): "poissons_ratio says how it resists a change of its volume",
     ("lattice", "springs"): "it has no springs",
     ("mass", "uniform_share"): "none of its nodes is nearly massless",
     ("mass", "inertia"): "its masses match the inertia of the object where that is possible",
-}  # keys that a solid has not, and what it has in their place
+}  # keys that a solid does not have, and what a solid has instead
 OF_REGIONS_OF_SPRINGS = {
     "stiffness": "all of it has material.youngs_modulus",
     "youngs_modulus": "all of it has material.youngs_modulus",
     "internal_damping": "all of it has material.internal_damping",
     "density": "give mass, of each of the points",
-}  # the same of a region
+}  # keys that a region of a solid does not have, and what replaces them
 OF_SOLIDS = {
     ("material", "poissons_ratio"): "that of springs is 1/4",
     ("material", "density"): "give mass.density",
-}  # keys that springs have not, and what they have in their place
+}  # keys that springs do not have, and what replaces them
 OF_PROBES_OF_SOLIDS = dict.fromkeys(("stress", "von_mises", "stretch"), "Result.stress and Result.strain have those of the cells")
-"""The same of a probe"""
+"""Keys that a probe does not have with springs, and what replaces them."""
 METHODS, IMPLICIT = ("auto", "leapfrog", "bm4", "rkn12", "dop853"), ("ros34pw2", "backward_euler", "sdirk2")
 SPREADS = ("box", "vertices", "surface", "volume")
 SOLID, SPRINGS = (f"material.model = {toml_text(model)}" for model in ("solid", "springs"))
 
 
 def material_check(draft: Draft) -> Iterator[Fault]:
-    """The problems of a draft's material, of what regions say of it, and of the lattice it needs."""
+    """Yields the problems of a material of springs, of the region keys that override it, and of the lattice that it needs."""
     material = draft.keys.material
     if material.model == "solid" or not all(draft.sound("material", key) for key in ("model", "stiffness", "youngs_modulus")):
         return
@@ -69,7 +69,7 @@ def material_check(draft: Draft) -> Iterator[Fault]:
 
 
 def stiffness_text(stiffness: Stiffness) -> str:
-    """As one would write it in the file."""
+    """Returns the stiffness as one would write it in the file."""
     kinds = stiffness.model_dump()
     return f"{stiffness.edge:g}" if len(set(kinds.values())) == 1 else toml_text(kinds)
 
@@ -92,7 +92,7 @@ def _regions(draft: Draft, of_modulus: bool) -> Iterator[Fault]:
 
 
 def _holds_a_cell(points: Selection, counts: tuple[int, int, int]) -> bool:
-    """Whether it does; of a selection that leaves the lattice something else is said."""
+    """True if the selection holds all corners of a cell, or leaves the lattice, which another check reports."""
     try:
         return bool(cells_within(flat_indices(points, counts), counts).any())
     except ValueError:
@@ -100,7 +100,7 @@ def _holds_a_cell(points: Selection, counts: tuple[int, int, int]) -> bool:
 
 
 def cells_check(draft: Draft, fits: Fits, wanted: str) -> Iterator[Fault]:
-    """The problem of a lattice, where it is known, whose cells do not fit, and which would."""
+    """Yields a problem if the cells of the lattice, where it is known, do not satisfy `fits`; the message names cells that do."""
     if not draft.box or not draft.counts:
         return
     lattice, size, counts = draft.keys.lattice, draft.box[1], [count - 1 for count in draft.counts]
@@ -120,11 +120,11 @@ def _sides(size: Sequence[float], counts: Sequence[int]) -> str:
     return " x ".join(f"{side / count:.4g}" for side, count in zip(size, counts, strict=True))
 
 
-# ---- of a solid ----
+# ---- solid ----
 
 
 def solid_check(draft: Draft) -> Iterator[Fault]:
-    """The problems of a draft's solid, or of what only a solid has."""
+    """Yields the problems of a solid, and for springs those of keys that only a solid has."""
     if not draft.sound("material", "model"):
         return
     if draft.keys.material.model == "springs":
@@ -167,7 +167,7 @@ def _none_beside(model: str, value: Any, instead: str) -> str:
 
 def _words(draft: Draft) -> Iterator[Fault]:
     keys = draft.keys
-    one = draft.counts and max(draft.counts) <= PATCH + 1  # patch, which is a Bezier volume
+    one = draft.counts and max(draft.counts) <= PATCH + 1  # a single patch is a Bezier volume
     bases = ("bezier", "patches") if one else ("patches",)
     narrow = draft.counts and across_longest(draft.counts) <= WIDEST
     choices: dict[KeyPath, tuple[str, tuple[str, ...]]] = {

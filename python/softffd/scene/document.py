@@ -10,13 +10,13 @@ from softffd.errors import SceneError
 from softffd.spelling import did_you_mean, nearest_of
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
-"""The scenes that come with the package, by folders; each beside the files that it takes."""
+"""Folder of the scenes that come with the package, in subfolders; each scene lies beside the files that it uses."""
 
 ZIP = b"PK\x03\x04"
 
 
 def shipped_scenes() -> list[str]:
-    """The names of the scenes that come with the package, in alphabetical order."""
+    """Returns the names of the scenes that come with the package, in alphabetical order."""
     return sorted(_shipped())
 
 
@@ -25,12 +25,12 @@ def _shipped() -> dict[str, Path]:
 
 
 def shown(path: Path) -> str:
-    """The path as a user would name it: relative to the working directory where it lies below it."""
+    """Returns the path as a user would name it: relative to the working directory if it lies below that directory."""
     return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)
 
 
 def find_scene(path_or_name: str | Path) -> Path:
-    """The scene's file: the file of that path, else the shipped scene of that name. Raises SceneError."""
+    """Returns the file at that path, else the file of the shipped scene of that name. Raises SceneError if there is neither."""
     path, name = Path(path_or_name), str(path_or_name) or '""'
     try:
         if path.is_file():
@@ -48,7 +48,7 @@ def find_scene(path_or_name: str | Path) -> Path:
 
 
 def read_document(path: Path) -> dict[str, Any]:
-    """The parsed TOML file. Raises SceneError with the line where it is not TOML."""
+    """Returns the parsed TOML file. Raises SceneError if the file cannot be read, or, with the line, if it is not TOML."""
     _require_no_mesh(path)
     text = _read_text(path)
     try:
@@ -63,7 +63,7 @@ def read_document(path: Path) -> dict[str, Any]:
 def _require_no_mesh(path: Path) -> None:
     if path.suffix.lower() == ".toml":
         return
-    from softffd.mesh.files import READ  # only what is no scene pays for the import
+    from softffd.mesh.files import READ  # imported only for files that do not end in .toml
 
     if path.suffix.lower() in READ:
         say = f"wanted a scene file (TOML), got a mesh; to drop it on the ground: softffd run {shlex.quote(shown(path))}"
@@ -100,7 +100,7 @@ def _missing(path: Path) -> str:
 
 
 def _syntax(message: str, text: str) -> str:
-    """tomllib's message with the place first and the line's text last."""
+    """Returns the message of tomllib with the place in front and the text of the line at the end."""
     found = re.search(r" \(at line (\d+), column (\d+)\)$", message)
     if found is None:
         return f"TOML syntax: {message}"

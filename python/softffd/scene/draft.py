@@ -1,6 +1,6 @@
-"""A scene while it is read: its keys, each looked at by itself, then its mesh and what the keys leave open.
+"""A scene while it is read: each key is checked by itself, then the mesh is loaded and open keys are filled in.
 
-This is the first of two passes; `checks` looks at what holds between the keys that are sound, and asks `sound(...)` for those of others.
+This is the first of two passes. The second one, `checks`, checks relations between keys, and asks `sound(...)` which keys it may rely on.
 """
 
 from collections.abc import Iterable, Mapping
@@ -20,17 +20,17 @@ from softffd.scene.keys import SceneKeys
 from softffd.scene.sections import Contact, Lattice, Mass, Material, MeshFile, Stiffness
 
 MEETING = ("auto", "leapfrog", "bm4", "rkn12", "dop853", "ros34pw2", "backward_euler", "sdirk2")
-"""Methods that may be asked for beside contact of the surface"""
-STIFFNESS = 1e3  # of springs where a scene says neither stiffness nor modulus [N/m]
-POISSONS_RATIO = 0.45  # of a solid where a scene does not say
+"""Methods that support contact of the surface."""
+STIFFNESS = 1e3  # default of springs, if a scene gives neither stiffness nor modulus [N/m]
+POISSONS_RATIO = 0.45  # default of a solid
 Triple = tuple[float, float, float]
 
 
 @dataclass
 class Draft:
-    """The sound keys of a document with what was filled in, what is wrong with the others, and the mesh where that was read.
+    """The sound keys of a document with the filled-in values, the faults of the other keys, and the mesh if it could be read.
 
-    A key at fault is left out; where one must be given stands an example.
+    A faulty key is left out; if it is a required key, its example takes its place.
     """
 
     keys: SceneKeys
@@ -38,24 +38,24 @@ class Draft:
     mesh: Mesh | None = None
 
     def sound(self, *path: str | int) -> bool:
-        """Whether neither the value at `path` nor a part of it nor a table around it is at fault."""
+        """True if there is no fault at `path`, in a part of the value at `path`, or in a table around it."""
         return not any(all(map(eq, place, path)) for fault in self.faults for place in (fault.path, fault.meant) if place)
 
     @property
     def box_is_given(self) -> bool:
-        """By both of its keys."""
+        """True if both `origin` and `size` of the lattice are given."""
         return {"origin", "size"} <= self.keys.lattice.model_fields_set
 
     @property
     def box(self) -> tuple[Triple, Triple] | None:
-        """Origin and size [m] where they are those that are meant: their keys hold, and the mesh that they follow was read."""
+        """Origin and size [m]; None if one of their keys is faulty, or the mesh that they follow could not be read."""
         lattice = self.keys.lattice
         known = all(self.sound("lattice", key) for key in ("origin", "size", "margin")) and (self.sound("mesh") or self.box_is_given)
         return (lattice.origin, lattice.size) if known and lattice.origin and lattice.size else None
 
     @property
     def counts(self) -> tuple[int, int, int] | None:
-        """Control points per axis, where their keys hold and so does the box, if they follow it."""
+        """Control points per axis; None if one of their keys is faulty, or the box is unknown and the numbers follow from it."""
         lattice = self.keys.lattice
         known = all(self.sound("lattice", key) for key in ("points", "cells", "spacing")) and not isinstance(lattice.points, str)
         follows = lattice.cells is not None or lattice.spacing is not None
@@ -63,25 +63,25 @@ class Draft:
 
     @property
     def multiple(self) -> int:
-        """Of how many cells the body has multiples along each axis."""
+        """The number of cells along each axis is a multiple of this number."""
         return self.keys.material.multiple
 
 
 def read_draft(document: Mapping[Any, Any], folder: Path) -> Draft:
-    """The draft of a document, whose sections may be tables or instances, of which only what was given counts. folder: of the mesh file."""
+    """Returns the draft of a document of tables or section instances, of which only the given keys count. folder: of the mesh file."""
     given = plain(document)
     try:
         draft = Draft(SceneKeys.model_validate(given), [])
     except ValidationError as error:
         draft = Draft(SceneKeys(), faults_of(error, SceneKeys))
         draft.keys = SceneKeys.model_validate(_sound_part(given, draft))
-    with np.errstate(over="ignore", invalid="ignore"):  # huge boxes are refused in words
+    with np.errstate(over="ignore", invalid="ignore"):  # the checks refuse huge boxes
         _fill_in(draft, folder)
     return draft
 
 
 def plain(value: Any) -> Any:
-    """A copy of a document in which numpy's numbers are Python's, sections the tables of the keys that were given, and keys words."""
+    """Returns a copy of a document: numpy values become Python's, sections become tables of their given keys, keys text."""
     value = value.tolist() if isinstance(value, np.generic | np.ndarray) else value
     if isinstance(value, BaseModel):
         value = {key: getattr(value, key) for key in value.model_fields_set}
@@ -112,7 +112,7 @@ def _sound_part(document: dict[str, Any], draft: Draft) -> dict[str, Any]:
 
 
 def _fill_in(draft: Draft, folder: Path) -> None:
-    """Loads the mesh and fills in what the file leaves open: box, control points, and defaults that depend on other keys."""
+    """Loads the mesh and fills in what the file leaves open: the box, the control points, and defaults that depend on other keys."""
     keys = draft.keys
     found: dict[str, Any] = {}
     if keys.mesh is not None and draft.sound("mesh"):
@@ -126,7 +126,7 @@ def _fill_in(draft: Draft, folder: Path) -> None:
 
 
 def _read_mesh(draft: Draft, source: MeshFile) -> None:
-    from softffd.mesh.files import load_mesh  # only scenes with a mesh pay for the import
+    from softffd.mesh.files import load_mesh  # imported only for scenes with a mesh
 
     try:
         draft.mesh = load_mesh(source.file, scale=source.scale, up=source.up)
@@ -135,8 +135,8 @@ def _read_mesh(draft: Draft, source: MeshFile) -> None:
 
 
 def _lattice(lattice: Lattice, mesh: Mesh | None, material: Material) -> Lattice:
-    """The box as given, else that of the mesh grown by the margin, else the unit box; control points as `cells` or `spacing` ask for
-    where `points` does not say how many there are; the patches of a solid."""
+    """Fills in the box (as given, else that of the mesh enlarged by the margin, else the unit box), the control points that `cells` or
+    `spacing` ask for if `points` gives no numbers, and the basis of a solid."""
     multiple = material.multiple
     if material.model == "solid" and "basis" not in lattice.model_fields_set:
         lattice = lattice.filled(basis="patches")
@@ -152,7 +152,7 @@ def _lattice(lattice: Lattice, mesh: Mesh | None, material: Material) -> Lattice
 
 
 def _material(material: Material) -> Material:
-    """A stiffness of all springs where neither that nor a modulus is given; no drag beside a modulus; a solid's Poisson's ratio."""
+    """Fills in a stiffness if neither stiffness nor modulus is given, zero drag beside a modulus, and Poisson's ratio of a solid."""
     if material.model == "solid" and material.poissons_ratio is None:
         material = material.filled(poissons_ratio=POISSONS_RATIO)
     if material.youngs_modulus is not None:
@@ -169,7 +169,7 @@ def _mass(mass: Mass, mesh: Mesh | None, material: Material) -> Mass:
     if (material.model == "solid" or material.youngs_modulus is not None) and "distribution" not in mass.model_fields_set:
         mass = mass.filled(distribution="volume" if mesh is not None and mesh.closed else "box")
     if mass.distribution == "box" and "uniform_share" not in mass.model_fields_set:
-        mass = mass.filled(uniform_share=0.0)  # no point of it is nearly massless
+        mass = mass.filled(uniform_share=0.0)  # no point of a box of uniform density is nearly massless
     return mass
 
 

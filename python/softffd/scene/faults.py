@@ -1,4 +1,4 @@
-"""What is said about a faulty scene: `material.stiffness: wanted >= 0 N/m, got -5`.
+"""The messages about a faulty scene, such as `material.stiffness: wanted >= 0 N/m, got -5`.
 
 A path in the file is a tuple such as ("plane", 1, "normal"), written plane[1].normal; positions count from 0.
 """
@@ -32,19 +32,19 @@ class Fault:
 
     path: KeyPath
     text: str
-    meant: KeyPath | None = None  # of an unknown key: that of the missing one that was probably meant
+    meant: KeyPath | None = None  # for an unknown key: path of the missing key that was probably meant
 
     def __str__(self) -> str:
         return f"{path_text(self.path)}: {self.text}" if self.path else self.text
 
 
 def refused(path: KeyPath, wanted: str, got: Any, more: str = "") -> Fault:
-    """The problem of a key whose value does not go with others. got: the value, as one would write it. more: what follows it."""
+    """Returns the fault of a key with an unsuitable value. got: the value, printed as in the file. more: text that follows the value."""
     return Fault(path, f"wanted {wanted}, got {f'{got:g}' if isinstance(got, float) else toml_text(got)}{more}")
 
 
 def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
-    """The problems that pydantic found in a document for `model`, in our words."""
+    """Returns the problems that pydantic found in a document for `model`, with messages in the wording of this package."""
     entries = [(entry, _without_tags(entry["loc"], spare_last=entry["type"] == "extra_forbidden")) for entry in error.errors()]
     missing = {path for entry, path in entries if entry["type"] == "missing"}
     misspelt: set[KeyPath] = set()
@@ -61,7 +61,7 @@ def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
 
 
 def in_file_order(faults: list[Fault], document: Mapping[Any, Any]) -> list[Fault]:
-    """The faults by section in the order of the file, by position in a list of tables, then as found."""
+    """Returns the faults sorted by section in the order of the file, then by position in a list of tables, then as found."""
     sections = [*map(str, document), *(fault.path[0] for fault in faults)]
 
     def place(fault: Fault) -> tuple[int, int]:
@@ -72,13 +72,13 @@ def in_file_order(faults: list[Fault], document: Mapping[Any, Any]) -> list[Faul
 
 
 def _without_tags(location: tuple[str | int, ...], *, spare_last: bool) -> KeyPath:
-    """Pydantic's location without the tags of unions (`<number>`); an unknown key may look like one."""
+    """Returns pydantic's location without tags of unions (`<number>`). spare_last: keeps the last part, a key that may look like a tag."""
     last = len(location) - 1 if spare_last else None
     return tuple(part for n, part in enumerate(location) if n == last or not str(part).startswith("<"))
 
 
 def path_text(path: KeyPath) -> str:
-    """plane[1].normal for ("plane", 1, "normal"); keys that TOML wants quoted are quoted."""
+    """Returns the path as text: plane[1].normal for ("plane", 1, "normal"). Keys that need quotes in TOML are quoted."""
     text = ""
     for part in path:
         if isinstance(part, int):
@@ -90,7 +90,7 @@ def path_text(path: KeyPath) -> str:
 
 
 def toml_text(value: Any) -> str:
-    """A value as one would write it in the file, cut to 70 characters."""
+    """Returns a value as one would write it in the file, cut to 70 characters."""
     if isinstance(value, bool | str):
         text = json.dumps(value, ensure_ascii=False)
     elif isinstance(value, list | tuple):
@@ -98,14 +98,14 @@ def toml_text(value: Any) -> str:
     elif isinstance(value, dict):
         text = f"{{ {', '.join(f'{key} = {toml_text(entry)}' for key, entry in value.items())} }}"
     elif isinstance(value, int) and value.bit_length() > 10_000:
-        text = hex(value)  # Python writes no decimal numbers of so many digits
+        text = hex(value)  # Python refuses to write decimal numbers of so many digits
     else:
         text = str(value)
     return text if len(text) <= 70 else text[:67] + "..."
 
 
 def _field_at(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:
-    """The field that the last key of `path` names, None where there is no such key."""
+    """Returns the field that the last key of `path` names; None if there is no such key."""
     field: FieldInfo | None = None
     table: type[BaseModel] | None = model
     for key in (part for part in path if isinstance(part, str)):
@@ -115,7 +115,7 @@ def _field_at(model: type[BaseModel], path: KeyPath) -> FieldInfo | None:
 
 
 def table_in(annotation: Any) -> type[BaseModel] | None:
-    """The section that a key holds by its type, alone or in a list or union."""
+    """Returns the section class in the type of a key, alone or inside a list or union; None if there is none."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     return next((table for part in get_args(annotation) if (table := table_in(part))), None)
@@ -133,7 +133,7 @@ def _unknown_key(path: KeyPath, model: type[BaseModel], missing: set[KeyPath]) -
 
 
 def _keys_at(model: type[BaseModel], path: KeyPath) -> list[str]:
-    """The keys of the table at `path`; none where there is no table."""
+    """Returns the keys of the table at `path`; an empty list if there is no table."""
     field = _field_at(model, path)
     table = table_in(field.annotation) if field else model
     return list(table.model_fields) if table else []
@@ -145,7 +145,7 @@ def _wanted(entry: Mapping[str, Any], field: FieldInfo | None, path: KeyPath) ->
         return field.description or "a value"
     if kind == "literal_error" and field:
         return either(_words(field.annotation))
-    if kind == "tuple_type":  # the single and the double brackets are easily confused
+    if kind == "tuple_type":  # single and double brackets are easily confused
         return f"tables, each under a head [[{path_text(path)}]] in double brackets"
     if kind in ("model_type", "model_attributes_type"):
         return f"one table under the head [{path[0]}] in single brackets" if len(path) == 1 else "a table"
@@ -163,7 +163,7 @@ def _words(annotation: Any) -> list[str]:
 
 
 def either(words: Sequence[str]) -> str:
-    """ "a", "b" or "c"."""
+    """Returns the words as text: "a", "b" or "c"."""
     quoted = [f'"{word}"' for word in words]
     return " or ".join([", ".join(quoted[:-1]), quoted[-1]] if len(quoted) > 1 else quoted)
 

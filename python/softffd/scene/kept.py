@@ -1,4 +1,4 @@
-"""How results and systems keep a scene: its keys, where its file was, and what its mesh was."""
+"""How results and systems keep a scene: its keys, the path of its file, and a fingerprint of its mesh."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class KeptScene:
-    """What is kept of a scene."""
+    """The stored data of a scene, from which `found` restores the scene."""
 
     path: Any
     keys: dict[str, Any]
@@ -31,11 +31,11 @@ class KeptScene:
         return cls(scene.path, scene.keys_given(), _fingerprint(scene.loaded_mesh) if scene.loaded_mesh else None)
 
     def found(self, lattice: LatticeBox | None, folder: Path, given: Path | None = None) -> tuple[Scene | None, str]:
-        """The scene, if its mesh is found and the same, and the lattice is that of the run; else None, and why.
+        """Returns the scene and "", or None and the reason: the mesh is missing or has changed, or the lattice differs from the run's.
 
-        folder: of the file that keeps the scene. given: the file of the mesh, where it is known.
+        folder: of the file that keeps the scene. given: the file of the mesh, if the caller knows it.
         """
-        from softffd.scene.scene import scene_from  # brings pydantic along
+        from softffd.scene.scene import scene_from  # imports pydantic
 
         keys = dict(self.keys)
         if (named := keys.get("mesh")) and isinstance(named, dict):
@@ -56,8 +56,8 @@ class KeptScene:
 
 
 def _mesh_file(name: str, folder: Path) -> Path | None:
-    """Where the mesh is looked for: beside the file that names it, else where it was if that is below the file's folder, below the working
-    one, or comes with the package. Of any other place that a file names not even its being there is asked."""
+    """Returns the mesh file beside the file that names it, else at its former place if that lies below the folder of the naming file,
+    below the working directory or in the package; else None. Any other place is not accessed, not even to test if the file exists."""
     beside = folder / (re.split(r"[\\/]", name)[-1] or "-")
     if beside.is_file():
         return beside

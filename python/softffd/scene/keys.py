@@ -37,7 +37,7 @@ class SceneKeys(Section):
 
     @property
     def solids(self) -> tuple[rigid.Sphere | rigid.Cylinder | rigid.Box, ...]:
-        """Obstacles with an inside, in the order of the library."""
+        """The obstacles with an inside (all but planes), in the order of the library."""
         return (*self.sphere, *self.cylinder, *self.box)
 
     @property
@@ -47,14 +47,14 @@ class SceneKeys(Section):
 
 
 def schema() -> dict[str, Any]:
-    """The JSON schema of the scene file, for editors that complete and check TOML."""
+    """Returns the JSON schema of the scene file, for editors that complete and check TOML."""
     head = {"$schema": "http://json-schema.org/draft-07/schema#"}
     about = {"title": "softffd scene", "description": "A soft object, what acts on it and what is wanted of it."}
     return head | _without_null(SceneKeys.model_json_schema()) | about
 
 
 def _without_null(node: Any) -> Any:
-    """A schema without `null`, which TOML does not have: an absent key is simply not there."""
+    """Returns a schema without `null`, which TOML does not have: an absent key is simply missing."""
     if isinstance(node, list):
         return [_without_null(entry) for entry in node]
     if not isinstance(node, dict):

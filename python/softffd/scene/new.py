@@ -1,4 +1,4 @@
-"""New scene files: the commented one with every key, and that of a mesh alone, which falls on the ground."""
+"""New scene files: a commented template with every key, and the scene of a mesh that falls on the ground."""
 
 import json
 import os
@@ -19,30 +19,30 @@ from softffd.spelling import wanted_one_of
 
 TEMPLATE, MESH_TEMPLATE = (Path(__file__).parent / f"{name}.toml" for name in ("template", "mesh_template"))
 GRAVITY = 9.81
-DENSITY = 100.0  # of soft foam, kg/m3
+DENSITY = 100.0  # density of soft foam [kg/m3]
 FALL, STIFFNESS, DAMPING, STOP = 0.25, 1.2, 0.2, 7.0
-"""Height of the fall by the longest side; stiffness by weight over height; internal damping by the time in which one falls half
-the height; end by the time for half the longest side. Meshes of many shapes then bend visibly, keep the tolerance and lie still."""
+"""Ratios: fall height to longest side; stiffness to weight over height; internal damping to the time of a free fall through half the
+height; stop time to that through half the longest side. Meshes of many shapes then bend visibly, keep the tolerance and come to rest."""
 
 
 def template(name: str) -> str:
-    """The text of a new scene called `name`: every section and key with its unit, ready to run.
+    """Returns the text of a new scene called `name`, with every section and key and their units, ready to run.
 
-    A line that begins with `#` and no blank is a key that is not in force: without the `#` it is.
+    A line that begins with `#` without a blank is a key that is not in force; removing the `#` puts the key in force.
     """
     title = toml_string(f"{name}: a soft box dropped on the ground")
     return TEMPLATE.read_text(encoding="utf-8").replace('"TITLE"', title)
 
 
 def toml_string(text: str) -> str:
-    """The text as a string of TOML; what is no letter of Unicode, as in names of files in other encodings, becomes "?"."""
+    """Returns the text as a TOML string; parts that are no Unicode, as in file names of other encodings, become "?"."""
     text = text.encode(errors="replace").decode()
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 @dataclass(frozen=True)
 class MeshScene:
-    """text: a scene file (TOML). said: what was read and what was assumed, in one line."""
+    """text: the scene file (TOML). said: one line that reports what was read and what was assumed."""
 
     text: str
     said: str
@@ -51,10 +51,10 @@ class MeshScene:
 def scene_of_mesh(
     file: str | Path, *, folder: str | Path, unit: str | None = None, up: str | None = None, density: float | None = None
 ) -> MeshScene:
-    """The scene of a mesh that falls on the ground.
+    """Returns the scene of a mesh that falls on the ground.
 
-    folder: where the scene's file is to stand. unit: of the file, m, cm, mm, in or ft. up: its axis that becomes +z. density: kg/m3.
-    None: as the file says, else as is usual for its kind and size. Raises MeshError for an unfit mesh, SoftffdError for unfit options.
+    folder: future folder of the scene file. unit: of the mesh file, m, cm, mm, in or ft. up: the axis of the file that becomes +z. For
+    None the file decides, else the custom for its kind and size. density: kg/m3. Raises MeshError (mesh), SoftffdError (options).
     """
     file = Path(file)
     if unit is not None and unit not in UNITS:
@@ -88,7 +88,7 @@ def scene_of_mesh(
 
 
 def _physics(mesh: Mesh, density: float) -> dict[str, str]:
-    """Values for a fall from less than the mesh's height that bends the mesh well and is over at the end."""
+    """Returns values for a fall from at most the height of the mesh that bends the mesh visibly and is over at the stop time."""
     height, longest = np.ptp(mesh.bounds, axis=0)[2], np.ptp(mesh.bounds, axis=0).max()
     spread, mass, why = _mass(mesh, density)
     pace = np.sqrt(longest / GRAVITY)

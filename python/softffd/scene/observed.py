@@ -1,4 +1,4 @@
-"""The sections of what is observed: probes, sensors, which are patches of the object's surface, and outputs. SI units."""
+"""The sections for observed quantities: probes, sensors (patches of the surface of the object) and outputs. SI units."""
 
 from typing import Annotated, Any
 
@@ -7,7 +7,7 @@ from pydantic import Field, Strict, Tag
 from softffd.scene.section import NAME, Name, Section, Switch, Text, Vector, holding, key, list_of, list_schema, one_of, quantity
 from softffd.scene.selection import Selection
 
-MOST = 64  # taxels along a side
+MOST = 64  # largest number of taxels along a side
 Corners = Annotated[tuple[Vector, Vector], list_of(2, "2 corners [[x, y, z], [x, y, z]]")]
 Side = Annotated[int, Strict(), Field(ge=1, le=MOST)]
 Sides = Annotated[tuple[Side, Side], list_of(2, "2 whole numbers [n, m]"), list_schema(2, type="integer", minimum=1, maximum=MOST)]
@@ -51,7 +51,7 @@ class Sensor(Section):
 
     @property
     def where(self) -> str | tuple[Any, Any]:
-        """What `on` says, of a box its corners."""
+        """The value of `on`; for a box, its two corners."""
         return self.on if isinstance(self.on, str) else self.on.box
 
 

@@ -1,4 +1,4 @@
-"""The sections of what is rigid beside the object and may be moved by inputs, or have a mass: planes, solids and pins. SI units."""
+"""The sections of rigid parts, which inputs may move or which may have a mass: planes, solids and pins. SI units."""
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
@@ -17,7 +17,7 @@ PLANE_POSE = {"point": "xyz", "normal": "xyz", "velocity": "xyz", "angular_veloc
 SPHERE_POSE = {"point": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
 BOX_POSE = {"point": "xyz", "rotation": "xyz", "velocity": "xyz", "angular_velocity": "xyz"}
 PIN_POSE = {"position": "xyz", "orientation": "wxyz", "velocity": "xyz", "angular_velocity": "xyz"}
-"""Components of the vectors that say where a plane, a sphere, a box or a pin is and how it moves"""
+"""Vectors of the pose and motion of a plane, a sphere, a box and a pin, with their components."""
 
 
 def _pose_words(pose: dict[str, str]) -> list[str]:
@@ -55,7 +55,7 @@ def _inputs(pose: dict[str, str], *, of: str = "", example: str = "") -> Any:
 
 
 def _motion(*, free: bool = False) -> Any:
-    """free: whether it may have a mass of its own."""
+    """Returns the key `motion`. free: whether the part may be a free body with its own mass."""
     more = '; "free": a rigid body of its own mass, which gravity, the object and the inputs `force` and `torque` move' if free else ""
     return key("fixed", f'"fixed", or "input": what `inputs` names are inputs of the FMU{more}')
 
@@ -74,18 +74,18 @@ class Rigid(Section):
 
     POSE: ClassVar[dict[str, str]] = PLANE_POSE
 
-    if TYPE_CHECKING:  # of all kinds, each of which declares them as keys of its own
+    if TYPE_CHECKING:  # every subclass declares these as keys of its own
         name: Any
         motion: Any
         inputs: Any
 
     @property
     def part(self) -> Part:
-        """Kind and name, with which the names of its variables begin."""
+        """Kind and name of the part, with which the names of its variables begin."""
         return Part(type(self).__name__.lower(), self.name)
 
     def input_components(self) -> list[str]:
-        """What is an input of pose and motion, by itself or with its vector, in the pose's order: "point.z", ..."""
+        """Returns the components of pose and motion that are inputs, alone or with their vector, in the order of POSE: "point.z", ..."""
         chosen = set(self.inputs) if self.motion == "input" else set()
         return [f"{vector}.{each}" for vector in self.POSE for each in self.POSE[vector] if {vector, f"{vector}.{each}"} & chosen]
 
@@ -121,15 +121,15 @@ class Solid(Rigid):
     guide: Direction | None = _guide()
 
     def own_mass(self) -> float:
-        """Of a free body [kg]."""
+        """Returns the mass of a free body, given or computed from the density [kg]."""
         return self.mass if self.mass is not None else (self.density or 0.0) * self.shape().volume
 
     def own_inertia(self) -> tuple[float, float, float]:
-        """Moments of inertia of a free body [kg m2]."""
+        """Returns the moments of inertia of a free body, given or those of the homogeneous solid [kg m2]."""
         return self.inertia or self.shape().inertia(self.own_mass())
 
     def shape(self) -> SolidShape:
-        """What there is to see."""
+        """Returns the form of the obstacle for pictures and mass."""
         raise NotImplementedError
 
 
@@ -147,7 +147,7 @@ class Sphere(Round):
 
     inputs: SphereInputs = _inputs(SPHERE_POSE)
 
-    normal: ClassVar[tuple[float, float, float]] = (0.0, 0.0, 1.0)  # of no meaning: a sphere looks alike from all sides
+    normal: ClassVar[tuple[float, float, float]] = (0.0, 0.0, 1.0)  # without meaning: a sphere has no axis
     length: ClassVar[float] = 0.0
 
     def shape(self) -> SolidShape:
@@ -179,7 +179,7 @@ class Box(Solid):
         return SolidShape(self.name, "box", self.size)
 
     def rotation_vector(self) -> tuple[float, float, float]:
-        """Along the axis, as long as the angle [rad]."""
+        """Returns the rotation vector: along the axis, with the angle [rad] as its length."""
         return self.rotation.vector() if self.rotation else (0.0, 0.0, 0.0)
 
 

@@ -1,4 +1,4 @@
-"""The scene: one TOML file that says what the soft object is, what acts on it and what is wanted of it."""
+"""The scene: one TOML file that describes the soft object, what acts on it, and the wanted outputs."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from softffd.scene.rigid import Pin
 from softffd.scene.selection import Selection, flat_indices
 from softffd.spelling import did_you_mean, nearest_of
 
-NAMELESS = Path("scene.toml")  # where a scene without a file would stand
+NAMELESS = Path("scene.toml")  # assumed path of a scene without a file
 
 
 class Scene(SceneKeys):
-    """A complete, valid scene that runs; its attributes are the keys of the file. There is no other: whatever makes one checks all of it.
+    """A complete, valid scene that can run; its attributes are the keys of the file. Every way to create a Scene checks the whole scene.
 
-    `load_scene` reads a file; `Scene(material={"stiffness": 2e3}, ...)` and `Scene.model_validate(document)` take what a file would hold;
-    `replace` and `model_copy(update=...)` change one. All raise SceneError with all problems.
-    Nothing is left open: `lattice.origin` and `.size` are filled, and one of `mass.total` and `.density`. What was filled in is not taken
-    for given: it is filled anew in a changed scene. Scenes are equal when their keys, files and meshes are.
+    `load_scene` reads a file; `Scene(material={"stiffness": 2e3}, ...)` and `Scene.model_validate(document)` take the content of a file;
+    `replace` and `model_copy(update=...)` return a changed scene. All of them raise SceneError with all problems.
+    No key is left open: `lattice.origin`, `lattice.size` and one of `mass.total` and `mass.density` are filled in. Filled-in values do not
+    count as given: a changed scene fills them in anew. Two scenes are equal if their keys, files and meshes are equal.
     """
 
     if TYPE_CHECKING:
 
-        def __init__(self, **keys: Any) -> None: ...  # sections as tables or instances
+        def __init__(self, **keys: Any) -> None: ...  # each section is a table or an instance
 
     _path: Path = PrivateAttr()
     _mesh: Mesh | None = PrivateAttr(None)
@@ -46,7 +46,7 @@ class Scene(SceneKeys):
     @model_validator(mode="wrap")
     @classmethod
     def _whole(cls, data: Any, handler: Callable[[Any], Scene], info: ValidationInfo) -> Scene:
-        """The scene of a document that stands at the context's `path`."""
+        """Validates a document, whose file is the `path` of the validation context."""
         if isinstance(data, Scene):
             return data
         path = Path((info.context or {}).get("path", NAMELESS)).absolute()
@@ -72,10 +72,10 @@ class Scene(SceneKeys):
     __str__ = __repr__
 
     def replace(self, changes: Mapping[str, Any]) -> Scene:
-        """A scene with other values: scene.replace({"material.stiffness": 2e3, "plane.plate.friction": 0.1}).
+        """Returns a scene with other values: scene.replace({"material.stiffness": 2e3, "plane.plate.friction": 0.1}).
 
-        An entry of a list goes by its name or its number from 0: plane.plate or plane[0]. None takes a key away, so that its default holds.
-        Raises SceneError with all problems.
+        A list entry is named by its name or its number from 0: plane.plate or plane[0]. The value None removes a key, so that its default
+        applies. Raises SceneError with all problems.
         """
         document, problems = _changed(self.keys_given(), changes)
         if problems:
@@ -83,13 +83,13 @@ class Scene(SceneKeys):
         return scene_from(document, path=self._path)
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Scene:
-        """A copy, with other sections where `update` has some; checked like any scene."""
+        """Returns a copy with the sections of `update`, checked like any scene. Raises SceneError with all problems."""
         if not update:
             return super().model_copy(deep=deep)
         return scene_from({**self._given(), **update}, path=self._path)
 
     def keys_given(self) -> dict[str, Any]:
-        """The keys that were given, as a file would hold them; of a mesh the path of its file as it was found."""
+        """Returns the given keys as a file would hold them; a mesh file has the path under which it was found."""
         return plain(self._given())
 
     def _given(self) -> dict[str, Any]:
@@ -102,43 +102,43 @@ class Scene(SceneKeys):
 
     @property
     def path(self) -> Path:
-        """The scene's file, absolute."""
+        """Absolute path of the scene file."""
         return self._path
 
     @property
     def name(self) -> str:
-        """The file's stem, the FMU's modelName; "scene" without a file."""
+        """Stem of the file name, which is the modelName of the FMU; "scene" without a file."""
         return self._path.stem
 
     @property
     def lattice_box(self) -> LatticeBox:
-        """Counts, box at rest and basis of the lattice."""
+        """Control points per axis, box at rest and basis of the lattice."""
         lattice = self.lattice
         assert lattice.origin is not None and lattice.size is not None  # filled in
         return LatticeBox(lattice.points, lattice.origin, lattice.size, "patches" if self.is_solid else lattice.basis)
 
     @property
     def loaded_mesh(self) -> Mesh | None:
-        """The mesh as it was read when the scene was loaded [m]; None without [mesh]."""
+        """The mesh as read when the scene was loaded, vertices in m; None without [mesh]."""
         return self._mesh
 
     @property
     def default_inputs(self) -> Path | None:
-        """The CSV beside the scene file that holds its default inputs over time; None where there is none."""
+        """The CSV file beside the scene file that holds the default inputs over time; None if there is none."""
         beside = self._path.with_suffix(".csv")
         return beside if beside.is_file() else None
 
     def select(self, selection: Selection) -> np.ndarray:
-        """Flat indices of a selection, (m,) int64. Raises ValueError outside the lattice."""
+        """Returns the flat indices of a selection, (m,) int64. Raises ValueError if the selection leaves the lattice."""
         return flat_indices(selection, self.lattice.points)
 
     def pin_origin(self, pin: Pin) -> tuple[float, float, float]:
-        """Where the frame of a pin of this scene is at rest [m]."""
+        """Returns the origin of the frame of a pin at rest [m]."""
         x, y, z = pin.origin or map(float, self.mass_positions()[self.select(pin.points)].mean(axis=0))
         return x, y, z
 
     def pin_start(self, pin: Pin) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Where the frame of a pin of this scene starts [m], and its orientation (w, x, y, z): as at rest, or turned with the body."""
+        """Returns origin [m] and orientation (w, x, y, z) of the frame of a pin at the start: as at rest, or rotated with the body."""
         turn, origin = np.array(self.initial.rotation_vector()), self.pin_origin(pin)
         if not turn.any():
             return origin, (1.0, 0.0, 0.0, 0.0)
@@ -147,16 +147,16 @@ class Scene(SceneKeys):
         return tuple(at.tolist()), tuple(quaternion(turn).tolist())
 
     def rest_positions(self) -> np.ndarray:
-        """The control points at rest in flat order, (n, 3) [m]."""
+        """Returns the control points at rest in flat order, (n, 3) [m]."""
         return to_flat(self.lattice_box.rest())
 
     @property
     def is_solid(self) -> bool:
-        """Whether the body is of finite elements, not of springs."""
+        """True if the body consists of finite elements, not of springs."""
         return self.material.model == "solid"
 
     def mass_positions(self) -> np.ndarray:
-        """The points that have the mass and that pins hold, at rest in flat order, (n, 3) [m]: the control points, of a solid its nodes."""
+        """Returns the points with mass, which pins hold, at rest in flat order, (n, 3) [m]: control points, or the nodes of a solid."""
         if not self.is_solid:
             return self.rest_positions()
         box = self.lattice_box
@@ -164,14 +164,15 @@ class Scene(SceneKeys):
 
 
 def load_scene(path_or_name: str | Path) -> Scene:
-    """The scene of a TOML file, or the shipped scene of that name. Raises SceneError with all problems."""
+    """Returns the scene of a TOML file, or the shipped scene of that name. Raises SceneError with all problems."""
     path = find_scene(path_or_name)
     return scene_from(read_document(path), path=path)
 
 
 def scene_of(given: Any, who: str, wanted: str = "a Scene, or the path or name of one") -> Scene:
-    """The scene itself, or that of a TOML file's path or of a shipped scene's name. SoftffdError, which begins with `who`, for anything
-    else."""
+    """Returns a given scene, or the scene of the path of a TOML file or of the name of a shipped scene.
+
+    Raises SoftffdError, with a message that begins with `who`, for other types, and SceneError for a faulty scene."""
     if isinstance(given, Scene):
         return given
     if isinstance(given, str | Path):
@@ -180,16 +181,16 @@ def scene_of(given: Any, who: str, wanted: str = "a Scene, or the path or name o
 
 
 def scene_from(document: Mapping[str, Any], *, path: str | Path = NAMELESS) -> Scene:
-    """The scene of a parsed TOML file.
+    """Returns the scene of a parsed TOML file.
 
-    `path` is where the file might stand: its stem becomes the scene's name, its folder holds a mesh file.
+    `path` is the assumed path of the file: its stem becomes the name of the scene, and its folder is the one of a relative mesh file.
     Raises SceneError with all problems.
     """
     return Scene.model_validate(document, context={"path": path})
 
 
 def _checked(document: Any, path: Path) -> Draft:
-    """The draft of a document, complete and without faults. Raises SceneError with all problems."""
+    """Returns the complete, faultless draft of a document. Raises SceneError with all problems."""
     if not isinstance(document, Mapping):
         raise SceneError(_called(path), [f"wanted a table of sections, got {toml_text(document)}"])
     try:
@@ -203,7 +204,7 @@ def _checked(document: Any, path: Path) -> Draft:
 
 
 def _called(path: Path) -> str:
-    """What messages call a scene: its file as one would name it, or "scene" where it has none."""
+    """Returns the name of a scene in messages: its file as a user would name it, or "scene" without a file."""
     return shown(path) if path.name != NAMELESS.name or path.is_file() else NAMELESS.stem
 
 
@@ -217,10 +218,10 @@ def _same_mesh(one: Mesh | None, other: Mesh | None) -> bool:
 
 
 def _changed(document: dict[str, Any], changes: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """A document with other values, and the problems with the keys themselves; what the values are worth is not looked at.
+    """Changes values of a document in place; returns the document and the problems with the keys. The values are not checked.
 
-    document: tables and lists of tables, not shared with anybody, and changed in place. A key names tables from the outside in; an entry
-    of a list by its `name` or its number from 0, plane.plate.friction or plane[0].friction. None takes a key away: its default holds.
+    document: tables and lists of tables, not shared with other owners. A key names tables from the outside in, and a list entry by its
+    `name` or its number from 0: plane.plate.friction or plane[0].friction. The value None removes a key: its default applies.
     """
     problems = [problem for key, value in changes.items() if (problem := _change(document, str(key), value))]
     return document, problems
@@ -243,14 +244,14 @@ def _change(document: dict[str, Any], key: str, value: Any) -> str | None:
 
 
 def _position(entries: list[Any], word: str) -> int | None:
-    """Where a list has the entry of a number or name."""
+    """Returns the position of the list entry with a number or name; None if there is none."""
     if word.isdecimal():
         return int(word) if int(word) < len(entries) else None
     return next((n for n, entry in enumerate(entries) if isinstance(entry, dict) and entry.get("name") == word), None)
 
 
 def _below(node: Any, place: Any) -> Any:
-    """What stands at a place; where that holds nothing further, a table of its own, which the checks of the scene refuse in words."""
+    """Returns the table or list at a place. If there is none, inserts an empty table, which the checks of the scene then refuse."""
     below = node.get(place) if isinstance(node, dict) else node[place]
     if not isinstance(below, dict) and not (isinstance(below, list) and all(isinstance(entry, dict) for entry in below)):
         below = node[place] = {}

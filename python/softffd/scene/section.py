@@ -1,4 +1,4 @@
-"""What sections of a scene file are made of: their base, keys with unit and range, and types of keys that several of them have.
+"""The parts of the sections of a scene file: their base class, keys with unit and range, and types of keys that several sections have.
 
 Numbers are strict: TOML has types, so `"1.0"` or `true` is no number here. They are finite: TOML knows `nan` and `inf`, physics does not.
 """
@@ -18,12 +18,12 @@ SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
 
 def refusal(wanted: str, *, nearest: str | None = None) -> PydanticCustomError:
-    """The error that a validator raises; it will read `PATH: wanted {wanted}, got ...`."""
+    """Returns the error that a validator raises; the message reads `PATH: wanted {wanted}, got ...`."""
     return PydanticCustomError("wanted", "{wanted}", {"wanted": wanted, "nearest": nearest})
 
 
 def holding(test: Callable[[Any], bool], wanted: str, *, before: bool = False) -> AfterValidator | BeforeValidator:
-    """A validator that lets values pass for which this holds. before: it sees them as the file has them."""
+    """Returns a validator that accepts values that pass `test`. before: the validator sees the values as the file has them."""
 
     def check(value: Any) -> Any:
         if not test(value):
@@ -34,17 +34,17 @@ def holding(test: Callable[[Any], bool], wanted: str, *, before: bool = False) -
 
 
 def list_of(length: int, wanted: str) -> AfterValidator | BeforeValidator:
-    """A validator that lets a list of `length` entries pass."""
+    """Returns a validator that accepts a list of `length` entries."""
     return holding(lambda value: isinstance(value, list | tuple) and len(value) == length, wanted, before=True)
 
 
 def list_schema(length: int, **entry: Any) -> WithJsonSchema:
-    """The JSON schema of a list of `length` equal entries (draft 7, which editors know)."""
+    """Returns the JSON schema of a list of `length` entries of one kind (draft 7, which editors know)."""
     return WithJsonSchema({"type": "array", "items": entry, "minItems": length, "maxItems": length})
 
 
 def one_of(forms: Mapping[str, Any], wanted: str) -> Discriminator:
-    """What tells the forms of a key apart. forms: the Python types of each by its tag (`<...>`: never a key of the file)."""
+    """Returns the discriminator of the forms of a key. forms: Python types of each form by its tag (`<...>`, never a key of the file)."""
 
     def tag_of(value: Any) -> str | None:
         return next((tag for tag, types in forms.items() if isinstance(value, types) and not isinstance(value, bool)), None)
@@ -53,12 +53,12 @@ def one_of(forms: Mapping[str, Any], wanted: str) -> Discriminator:
 
 
 def key(default: Any, description: str, **options: Any) -> Any:
-    """A pydantic field for a key of the file; `default` is `...` for one that must be given."""
+    """Returns a pydantic field for a key of the file; `default` is `...` for a key that must be given."""
     return Field(default, description=description, **options)
 
 
 def quantity(default: Any, unit: str, description: str, **options: Any) -> Any:
-    """A key for a number with its unit ("1" for none) and bounds (gt, ge, lt, le), shown in its description.
+    """Returns a field for a number with its unit ("1" for none) and bounds (gt, ge, lt, le), both shown in the description.
 
     The bounds of a list belong to the type of its entries and are named in `description`.
     """
@@ -82,7 +82,7 @@ class Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
     def filled(self, **values: Any) -> Self:
-        """A copy with other values; `model_fields_set` still names the keys that the file gave."""
+        """Returns a copy with other values; `model_fields_set` still names the keys that the file gave."""
         return self.model_construct(self.model_fields_set, **(dict(self) | values))
 
 
@@ -109,14 +109,14 @@ class Rotation(Section):
     degrees: Number = key(..., "the angle in degrees", examples=[0.0])
 
     def vector(self) -> tuple[float, float, float]:
-        """Along the axis, as long as the angle [rad]."""
+        """Returns the rotation vector: along the axis, with the angle [rad] as its length."""
         x, y, z = self.axis
         scale = math.radians(self.degrees) / math.hypot(x, y, z)
         return x * scale, y * scale, z * scale
 
 
 def _rotation_table(value: Any) -> Any:
-    """Whatever may be a table of axis and degrees; radians are told in degrees."""
+    """Passes a table on that may hold axis and degrees; for one in radians the error proposes the degrees."""
     wanted = "{ axis = [x, y, z], degrees = }"
     if not isinstance(value, dict | Rotation):
         raise refusal(f"a table {wanted}")

@@ -169,7 +169,7 @@ class Material(Section):
 
     @property
     def multiple(self) -> int:
-        """Of how many cells the body has multiples along each axis."""
+        """The number of cells along each axis is a multiple of this number."""
         return PATCH if self.model == "solid" else 1
 
 
@@ -245,7 +245,7 @@ class Initial(Section):
     )
 
     def rotation_vector(self) -> tuple[float, float, float]:
-        """Along the axis, as long as the angle [rad]."""
+        """Returns the rotation vector: along the axis, with the angle [rad] as its length."""
         return self.rotation.vector() if self.rotation else (0.0, 0.0, 0.0)
 
 

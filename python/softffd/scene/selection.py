@@ -1,8 +1,7 @@
-"""Selections: the ways a scene file names a set of control points.
+"""Selections: the ways in which a scene file names a set of control points.
 
-`"all"`, `"none"`, a face `"x-" "x+" "y-" "y+" "z-" "z+"`, a list of indices `[[i, j, k], ...]`, or inclusive
-ranges `{ i = [0, 1], j = [2, 3] }` in which an absent axis means all of it. Indices start at 0, as p_ijk in
-Xia & Wang 2009, eq. (1).
+A selection is `"all"`, `"none"`, a face `"x-" "x+" "y-" "y+" "z-" "z+"`, a list of indices `[[i, j, k], ...]`, or inclusive ranges
+`{ i = [0, 1], j = [2, 3] }`, in which an absent axis means all its indices. Indices start at 0, as p_ijk in Xia & Wang 2009, eq. (1).
 """
 
 from typing import Annotated, Literal
@@ -44,10 +43,10 @@ Selection = Annotated[
 
 
 def flat_indices(selection: Selection, counts: tuple[int, int, int]) -> np.ndarray:
-    """Flat indices (lattice.py) of a selection, (m,) int64: a list's in its order, else ascending.
+    """Returns the flat indices (lattice.py) of a selection, (m,) int64: those of a list in the order of the list, others ascending.
 
     `counts` are the control points per axis.
-    Raises ValueError where the selection leaves the lattice or names a point twice.
+    Raises ValueError if the selection leaves the lattice or names a point twice.
     """
     grid = index_grid(counts)
     if isinstance(selection, Ranges):

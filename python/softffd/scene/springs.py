@@ -1,4 +1,4 @@
-"""The springs of a scene: between which control points, how stiff, and what a cell has of those around it."""
+"""The springs of a scene: their end points, their stiffness, and the part of the stiffness that each cell has."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 WAYS = [way for way in product((-1, 0, 1), repeat=3) if way > (0, 0, 0)]
-"""From a control point to half of its neighbours, in numbers of cells."""
+"""Offsets from a control point to half of its neighbours, in numbers of cells."""
 KINDS = ("edge", "face", "body")
 
 Way = tuple[int, ...]
 
 
 def springs(scene: Scene) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """For each of WAYS the springs along it: their ends, two arrays (s,) of flat indices, none twice in one; stiffness (s,) [N/m]."""
+    """Yields the springs along each of WAYS: flat indices of both ends, two (s,) arrays of unique indices each; stiffness (s,) [N/m]."""
     cells = cell_stiffness(scene, {}) if scene.material.youngs_modulus is not None else None
     for number, way in enumerate(WAYS):
         here, there = _ends(scene, way)
@@ -30,9 +30,9 @@ def springs(scene: Scene) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]
 
 
 def cell_stiffness(scene: Scene, parameters: Mapping[str, float]) -> np.ndarray:
-    """What springs along WAYS each cell has in all (nx - 1, ny - 1, nz - 1, 13) [N/m], each shared equally by the cells around it.
+    """Returns the total stiffness of the springs along WAYS in each cell, (nx - 1, ny - 1, nz - 1, 13) [N/m].
 
-    parameters: of the run, where they differ.
+    The cells around a spring share its stiffness equally. parameters: values of the run that differ from the scene.
     """
     if scene.material.youngs_modulus is not None:
         return _of_modulus(scene, parameters.get("youngs_modulus", scene.material.youngs_modulus))
@@ -40,14 +40,14 @@ def cell_stiffness(scene: Scene, parameters: Mapping[str, float]) -> np.ndarray:
 
 
 def _ends(scene: Scene, way: Way) -> tuple[np.ndarray, np.ndarray]:
-    """The flat indices of both ends of the springs along a way, grids."""
+    """Returns the flat indices of both ends of the springs along a way, as grids."""
     counts, points = scene.lattice.points, index_grid(scene.lattice.points)
     here = points[tuple(slice(max(0, -d), n - max(0, d)) for d, n in zip(way, counts, strict=True))]
     return here, points[tuple(slice(max(0, d), n + min(0, d)) for d, n in zip(way, counts, strict=True))]
 
 
 def _given(scene: Scene, way: Way, parameters: Mapping[str, float]) -> np.ndarray:
-    """The stiffness that the scene gives the springs along a way, a grid; those that "paper" makes twice have it twice."""
+    """Returns the stiffness of the springs along a way, as a grid; it is doubled for springs that "paper" creates twice."""
     given, kind = scene.material.stiffness, KINDS[np.abs(way).sum() - 1]
     assert given is not None  # filled in
     here, there = _ends(scene, way)
@@ -80,7 +80,7 @@ def _across(way: Way) -> list[int]:
 
 
 def _outer(shape: tuple[int, ...], way: Way) -> np.ndarray:
-    """On how many outer faces of the box springs along a way lie."""
+    """Returns the number of outer faces of the box on which each spring along a way lies."""
     outer = np.zeros(shape, int)
     for axis in _across(way):
         np.moveaxis(outer, axis, 0)[[0, -1]] += 1
@@ -96,7 +96,7 @@ def _shared(springs: np.ndarray, way: Way) -> np.ndarray:
 
 
 def _gathered(cells: np.ndarray, way: Way) -> np.ndarray:
-    """The springs along a way, each of which has of every cell beside it an equal part of what that has in all."""
+    """Returns the stiffness of the springs along a way: each cell divides its stiffness equally among its springs along the way."""
     for axis in _across(way):
         layers = np.pad(np.moveaxis(cells, axis, 0) / 2, [(1, 1), (0, 0), (0, 0)])
         cells = np.moveaxis(layers[:-1] + layers[1:], 0, axis)

@@ -1,4 +1,4 @@
-"""Figures of matplotlib as this program's pictures have them: words, curves, images and a colour scale; and a figure as a PNG."""
+"""Matplotlib figures in the style of softffd's pictures (text, curves, images, a colour scale), and their conversion to PNG."""
 
 from collections.abc import Iterable, Mapping
 from io import BytesIO
@@ -12,26 +12,26 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
-INK, SOFT = "#1b2430", "#5b6675"  # colours of words and lines
-PLAIN: dict[str, Any] = {"parse_math": False}  # of words that are not this program's: two dollars in them make no formula
+INK, SOFT = "#1b2430", "#5b6675"  # colours of text and lines
+PLAIN: dict[str, Any] = {"parse_math": False}  # for texts from outside: matplotlib must not read two dollar signs as a formula
 
 CURVES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#56b4e9")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
 
-COMPRESSION = 3  # of the PNG: half the time of the usual 6, a tenth more bytes
+COMPRESSION = 3  # level of the PNG: half the time of the usual level 6, a tenth more bytes
 
 Box = tuple[float, float, float, float]  # left, bottom, width and height, as fractions of the figure
 
 
 class Picture(Figure):
-    """A figure that a notebook shows as it is; its images have the pixels of its own resolution."""
+    """A figure that a notebook displays as it is, as a PNG at the figure's own resolution; images in the figure keep their pixels."""
 
     def _repr_png_(self) -> bytes:
         return png_of(self)
 
 
 def new_figure(width: float, height: float, *, dpi: float) -> Picture:
-    """A figure of `width` x `height` inches, without the global state of pyplot."""
+    """Returns an empty figure of `width` x `height` inches, made without the global state of pyplot."""
     figure = Picture(figsize=(width, height), dpi=dpi, facecolor="white")
     FigureCanvasAgg(figure)
     return figure
@@ -40,7 +40,7 @@ def new_figure(width: float, height: float, *, dpi: float) -> Picture:
 def draw_words(
     figure: Figure, text: str, place: tuple[float, float], size: float, across: str = "center", colour: str = INK, weight: str = "normal"
 ) -> None:
-    """A line of text, as it is, at a place in fractions of the figure, which is its "left", "center" or "right"."""
+    """Draws a line of uninterpreted text at `place`, in fractions of the figure, which is the text's "left", "center" or "right"."""
     figure.text(*place, text, ha=across, va="center", fontsize=size, color=colour, fontweight=weight, **PLAIN)
 
 
@@ -48,8 +48,8 @@ def draw_curves(
     figure: Figure, box: Box, label: str, unit: str, time: np.ndarray, values: Mapping[str, np.ndarray], *, steps: bool = False,
     marks: Iterable[float] = (), across: tuple[str, str] = ("time", "s"),
 ) -> None:  # fmt: skip
-    """Axes in `box` with a curve for each name over `time` (T,) [s], or over what `across` names with its unit; `marks`: moments [s] that
-    have a line; `steps`: each value holds over the time before it."""
+    """Draws axes in `box` with one curve per name, of values (T,) over `time` (T,) [s], or over the quantity that `across` gives as
+    (name, unit). marks: times [s] marked by a vertical line. steps: each value holds over the time before it."""
     axes = figure.add_axes(box)
     lines = [
         axes.plot(time, curve, color=colour, linestyle=dash, linewidth=1.8, drawstyle="steps-pre" if steps else "default")[0]
@@ -68,7 +68,7 @@ def draw_curves(
         axes.xaxis.set_major_formatter(EngFormatter(unit=of_name, sep=" "))
     axes.grid(color="#e3e7ed", linewidth=0.8)
     look: dict[str, Any] = {"bbox_to_anchor": (-0.01, 1.0), "ncols": 5, "frameon": False, "borderpad": 0.2, "columnspacing": 1.2}
-    legend = axes.legend(lines, list(values), loc="lower left", fontsize=9.5, **look)  # as given: a line's label must not begin with "_"
+    legend = axes.legend(lines, list(values), loc="lower left", fontsize=9.5, **look)  # a line's own label must not begin with "_"
     for text in legend.get_texts():
         text.set(**PLAIN)
     axes.spines[["top", "right"]].set_visible(False)
@@ -76,7 +76,7 @@ def draw_curves(
 
 
 def draw_scale(figure: Figure, box: Box, colours: str, ends: tuple[float, float], unit: str, words: str) -> None:
-    """A bar in `box` of all colours of the map of this name, from one of the `ends` to the other; `words` stand before it."""
+    """Draws a bar in `box` of the colour map `colours`, from one of the `ends` to the other; the text `words` stands before the bar."""
     bar = figure.colorbar(ScalarMappable(Normalize(*ends), colours), cax=figure.add_axes(box), orientation="horizontal")
     bar.ax.xaxis.set_major_formatter(EngFormatter(unit=unit, sep=" "))
     bar.ax.xaxis.set_major_locator(MaxNLocator(6))
@@ -86,12 +86,12 @@ def draw_scale(figure: Figure, box: Box, colours: str, ends: tuple[float, float]
 
 
 def quantity(value: float, unit: str) -> str:
-    """With a prefix to its unit and one digit behind the point: "1.0 mm"."""
+    """Returns the value as text, with an SI prefix to its unit and one decimal: "1.0 mm"."""
     return str(EngFormatter(unit=unit, places=1)(value))
 
 
 def png_of(figure: Figure) -> bytes:
-    """The figure as the bytes of a PNG."""
+    """Returns the figure as the bytes of a PNG."""
     stream = BytesIO()
     figure.savefig(stream, format="png", pil_kwargs={"compress_level": COMPRESSION})
     return stream.getvalue()

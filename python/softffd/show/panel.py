@@ -1,4 +1,4 @@
-"""The object in one frame as an image, from the first side: its surface, its lattice, the obstacles, and flat marks of contact."""
+"""Images of the object in single frames: its surface, its lattice, the obstacles, and flat marks of contact."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -15,16 +15,16 @@ from softffd.show.skin import Painter
 from softffd.show.stage import FREE, PINNED, Stage, beside, round_length
 from softffd.show.touch import INK, MARK, Touch
 
-SMOOTH_FACES = 150_000  # up to here normals are smoothed; the triangles of larger meshes are hardly larger than a pixel
+SMOOTH_FACES = 150_000  # most faces with smoothed normals; the triangles of larger meshes are hardly larger than a pixel
 ROUND = 16  # corners of a dot
-FILLED = 0.84  # share of the image's width or height that the lattices may take
+FILLED = 0.84  # fraction of the image's width or height that the lattices may take
 
 
 class Panels:
-    """Images of a stage in some `frames`, `width` x `height` pixels each, all by one camera.
+    """Images of a stage in the given `frames`, `width` x `height` pixels each, all by one camera.
 
-    tints: colours (V, 3) of the vertices by frame, where they are not those of the stage's skin. touch: the contacts to show.
-    lattice: draw the lattice, not only the control points that pins hold. view: from where, as in sight.py; by default its first one.
+    tints: colours (V, 3) of the vertices by frame, in place of the colours of the stage's skin. touch: the contacts to draw, or None.
+    lattice: draw the whole lattice, not only the pinned control points. view: turn and lift [rad] as in sight.py; default: `first_sight`.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class Panels:
         self._distance = float(max(self._needed(frame) for frame in frames))
 
     def image(self, frame: int) -> np.ndarray:
-        """The image (height, width, 3), 0 .. 1, of one of the frames."""
+        """Returns the image (height, width, 3), values 0 .. 1, of one of the frames."""
         stage, points = self._stage, self._stage.positions[frame]
         canvas = Canvas(Camera(self._centre + self._distance * self._axes[2], self._centre, stage.up), self._width, self._height)
         surface = stage.deformed(points), stage.faces
@@ -66,7 +66,7 @@ class Panels:
         return replace(self._stage.skin, tints=self._tints[frame], pictures=()).painter(self._stage.faces)
 
     def _needed(self, frame: int) -> float:
-        """The distance [m] from which the frame's lattice fits into the image, its arrows and what is beside it of solids."""
+        """Returns the distance [m] from which the frame's lattice, its contact arrows and the nearby parts of solids fit into the image."""
         points = np.concatenate([self._stage.positions[frame].reshape(-1, 3), *(list(product(*ends.T)) for ends in self._beside[frame])])
         if self._touch:
             points = np.concatenate([points, self._touch.arrows(frame)[:, 1]])
@@ -97,7 +97,7 @@ class Panels:
 
     @property
     def _ball(self) -> float:
-        """Radius of a control point, pixels."""
+        """Radius of a drawn control point [pixels]."""
         return self._height / 90 * min(1.0, 4 / max(self._stage.counts))
 
     def _draw_lattice(self, canvas: Canvas, points: np.ndarray) -> None:
@@ -111,7 +111,7 @@ class Panels:
 
 
 def _draw_arrow(canvas: Canvas, start: np.ndarray, end: np.ndarray, *, width: float, colour: Tint, outline: Tint) -> None:
-    """An arrow from `start` to `end` (3,) [m], or longer, so that it is one; its shaft is `width` pixels wide."""
+    """Draws an arrow from `start` to `end` (3,) [m], lengthened if it is too short to look like one; its shaft is `width` pixels wide."""
     a, b = canvas.project(np.stack([start, end]))
     along = (b - a)[:2]
     length = np.linalg.norm(along)
@@ -126,7 +126,7 @@ _ARROW = np.array([[0, 1, 2], [1, 3, 2], [4, 5, 6]])
 
 
 def _arrow_corners(a: np.ndarray, b: np.ndarray, along: np.ndarray, wide: float, extra: float) -> np.ndarray:
-    """Screen positions of the shaft's corners and the head's, all larger by `extra` fine pixels."""
+    """Returns the screen positions (7, 3) of the corners of shaft and head, all enlarged by `extra` fine pixels."""
     side = np.array([along[1], -along[0]])
     neck = b[:2] - along * 4 * wide
     shaft, wing = 0.5 * wide + extra, 1.6 * (wide + extra)
@@ -136,7 +136,7 @@ def _arrow_corners(a: np.ndarray, b: np.ndarray, along: np.ndarray, wide: float,
 
 
 def _draw_dots(canvas: Canvas, points: np.ndarray, *, radius: float, colour: Tint, outline: Tint) -> None:
-    """Dots of `radius` pixels at points (N, 3) [m], in front of what they touch."""
+    """Draws dots of `radius` pixels at points (N, 3) [m], in front of the surfaces that they touch."""
     angle = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
     circle = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(ROUND)])
     fan = np.column_stack([np.zeros(ROUND - 2, dtype=int), np.arange(1, ROUND - 1), np.arange(2, ROUND)])
@@ -147,7 +147,7 @@ def _draw_dots(canvas: Canvas, points: np.ndarray, *, radius: float, colour: Tin
 
 
 def _fill(canvas: Canvas, screen: np.ndarray, faces: np.ndarray, colour: Tint, hidden: float) -> None:
-    """Lay triangles `faces` of screen positions (N, 3) over the picture, each pixel once. hidden: opacity behind other things."""
+    """Blends `colour` over triangles `faces` of screen positions (N, 3), each pixel once. hidden: opacity behind other things."""
     for pixel, _, depth in fragments(screen, faces, canvas.width, canvas.height):
         pixel, first = np.unique(pixel, return_index=True)
         canvas.blend(pixel, colour, np.where(depth[first] >= 0.99 * canvas.depth[pixel], 1.0, hidden))

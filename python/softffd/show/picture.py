@@ -1,4 +1,4 @@
-"""Pictures of a run: its telling moments in a row, and the curves of its reactions and energies below."""
+"""Pictures of a run: images of its telling moments in a row, and the curves of its reactions and energies below."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -18,16 +18,16 @@ from softffd.show.stage import Stage, stage_of, up_direction
 from softffd.show.tension import PRESSED, RAMP, outward, tension_of
 from softffd.show.touch import Touch, touch_of
 
-GAP = 0.004  # between images, as a fraction of the figure's width
-CAPTION = 0.32  # height of the line below the images, inches
+GAP = 0.004  # gap between images, as a fraction of the figure's width
+CAPTION = 0.32  # height of the caption line below the images [inches]
 
 
 def run_picture(result: Result, *, colour: str | None = None, lattice: bool | None = None) -> Picture:
-    """The picture of `result`: start, first contact, largest deformation, end; and the history.
+    """Draws the picture of `result`: images at the start, first contact, largest deformation and end, and curves over time below.
 
-    colour: a name of `tension.COLOURS`, or contact_pressure, in place of the object's own colours. The picture of contact pressure looks
-    at the side that the first taxels face, and leaves out obstacles and contacts, which would hide it. lattice: draw the lattice; by
-    default where there is no mesh, which it would hide.
+    colour: a name in `tension.COLOURS`, or contact_pressure, in place of the object's own colours. The picture of contact pressure looks
+    at the side that the first grid of taxels faces, and omits obstacles and contacts, which would hide that side. lattice: draw the
+    lattice; by default the lattice is drawn where there is no mesh that it would hide.
     Raises SoftffdError when positions of control points were not recorded.
     """
     stage = stage_of(result)
@@ -55,7 +55,7 @@ def run_picture(result: Result, *, colour: str | None = None, lattice: bool | No
 
 
 def _time_and_error(summary: Mapping[str, Any]) -> str:
-    """Run time and estimated error of a run that has an estimate; what a summary lacks that somebody edited is left out."""
+    """Returns run time and estimated error as text; "" without an estimate. What is missing from an edited summary is left out."""
     kinds = {"run time": ("run_time_s", "s"), "estimated error": ("estimated_error_m", "m")}
     if summary.get("estimated_error_m") is None:
         return ""
@@ -64,9 +64,10 @@ def _time_and_error(summary: Mapping[str, Any]) -> str:
 
 
 def curve_picture(result: Result, *, x: str = "time", y: str | Iterable[str]) -> Picture:
-    """Outputs or inputs `y` over another one or over time; those of one unit share their axes. A vector's name means its components.
+    """Draws outputs or inputs `y` over another variable or over time; variables of one unit share axes. A vector's name means its
+    components.
 
-    Raises UnknownName with the nearest name, SoftffdError where `x` is a vector.
+    Raises UnknownName with the nearest name, SoftffdError where `x` is a vector or `y` is empty.
     """
     columns = Columns({"time": result.time, **result.columns(), **result.inputs}, "output or input")
     over, *more = _names_of(columns, x)
@@ -86,17 +87,17 @@ def curve_picture(result: Result, *, x: str = "time", y: str | Iterable[str]) ->
 
 
 def _names_of(columns: Columns[np.ndarray], name: str) -> list[str]:
-    """The variable of this name, or the components of the vector."""
+    """Returns the name of the variable, or the names of the components of a vector. Raises UnknownName."""
     if name not in columns and (parts := list(components_in(columns, name).values())):
         return parts
-    columns[name]  # UnknownName where it is not there
+    columns[name]  # raises UnknownName if the name is unknown
     return [name]
 
 
 def telling_moments(result: Result) -> dict[int, str]:
-    """Start, first contact, largest deformation and end, in the order of time: {frame: words}.
+    """Returns start, first contact, largest deformation and end, in the order of time: {frame: words}.
 
-    A first contact that is hardly apart from another of them is left out.
+    The first contact is left out if it is within 2 % of the number of frames from another of these moments.
     """
     found = {0: "start", len(result.time) - 1: "end"}
     found.setdefault(int(result.deformation().argmax()), "largest deformation")
@@ -107,7 +108,7 @@ def telling_moments(result: Result) -> dict[int, str]:
 
 
 def first_contact(result: Result) -> int | None:
-    """The first frame in which an obstacle reports a reaction, or None."""
+    """Returns the first frame in which an obstacle reports a reaction, or None."""
     forces = [force.any(axis=1) for part, force in reactions(result).items() if part.is_obstacle]
     touching = np.any(forces, axis=0) if forces else np.zeros(1, bool)
     return int(touching.argmax()) if touching.any() else None
@@ -117,7 +118,7 @@ def _draw_images(
     figure: Figure, stage: Stage, frames: Sequence[int], captions: Sequence[str], *, box: Box, touch: Touch | None,
     tints: Mapping[int, np.ndarray] | None = None, lattice: bool = True, view: tuple[float, float] | None = None,
 ) -> None:  # fmt: skip
-    """The object in `frames`, side by side in `box` of the figure, with a line below each."""
+    """Draws the object in `frames`, side by side in `box` of the figure, with a caption below each image."""
     left, bottom, wide, height = box
     inches = figure.get_size_inches()
     (across, up), low, pitch = inches * figure.dpi, CAPTION / inches[1], (wide + GAP) / len(frames)
@@ -131,7 +132,7 @@ def _draw_images(
 
 
 def _draw_history(figure: Figure, result: Result, *, bottom: float, top: float, marks: Sequence[float] = ()) -> None:
-    """One axes per kind of curve, side by side."""
+    """Draws axes for each kind of curve, side by side: reactions and energies, or where there are neither the height of the lattice."""
     forces = {part.name: np.linalg.norm(force, axis=1) for part, force in reactions(result).items()}
     kinds = [each for each in (("reaction", "N", forces), ("energy", "J", energies(result))) if each[2]]
     kinds = kinds or [("height of the lattice", "m", heights(result, up_direction(result)))]
@@ -140,6 +141,6 @@ def _draw_history(figure: Figure, result: Result, *, bottom: float, top: float, 
 
 
 def _boxes(count: int, *, bottom: float, top: float) -> list[Box]:
-    """Of axes side by side, as fractions of the figure."""
+    """Returns `count` boxes for axes side by side, as fractions of the figure."""
     width = 0.96 / count
     return [(0.075 + i * width, bottom, width - 0.085, top - bottom) for i in range(count)]

@@ -1,4 +1,4 @@
-"""Obstacles in a picture: a convex solid; of a plane a translucent patch with a grid and the soft shadow of what is above it."""
+"""Draws obstacles: a convex solid; a plane as a translucent patch with a grid and the soft shadow of what is above the plane."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -10,11 +10,11 @@ from softffd.mesh.normals import cut_triangles
 from softffd.show.raster import Canvas, Tint, fragments
 from softffd.show.skin import single
 
-NEAR = 0.05  # what is closer to the eye than this share of its distance from the target is not drawn
+NEAR = 0.05  # parts of solids closer to the eye than this fraction of its distance from the target are not drawn
 
 
 def draw_solid(canvas: Canvas, vertices: np.ndarray, normals: np.ndarray, faces: np.ndarray, *, tint: Tint) -> None:
-    """Draw a convex solid of vertices (V, 3) [m] with outward normals (V, 3) and `faces` (F, 3) on `canvas`; from within it is not seen."""
+    """Draws a convex solid of vertices (V, 3) [m] with outward normals (V, 3) and `faces` (F, 3) on `canvas`; invisible from inside."""
     camera = canvas.camera
     seen = (normals[faces].sum(axis=1) * (camera.eye - vertices[faces].mean(axis=1))).sum(axis=1) > 0
     corners = np.concatenate([vertices, normals], axis=1)[faces[seen]]
@@ -25,7 +25,7 @@ def draw_solid(canvas: Canvas, vertices: np.ndarray, normals: np.ndarray, faces:
 
 
 def _in_front(corners: np.ndarray, ahead: np.ndarray) -> np.ndarray:
-    """Triangles (G, 3, C) that are the parts of triangles (F, 3, C) where `ahead` (F, 3), given at the corners, is positive."""
+    """Returns triangles (G, 3, C): the parts of triangles (F, 3, C) where `ahead` (F, 3), given at the corners, is positive."""
     pieces = cut_triangles(np.concatenate([corners, ahead[..., None]], axis=2), ahead)
     return pieces[pieces[..., -1].sum(axis=1) > 0, :, :-1]
 
@@ -33,17 +33,17 @@ def _in_front(corners: np.ndarray, ahead: np.ndarray) -> np.ndarray:
 TEXELS = 192
 TAPS = 128
 SPREAD = 0.5
-DENSE = 100_000  # faces of a mesh that casts its shadow by its vertices alone
+DENSE = 100_000  # a mesh with more faces than this casts its shadow by its vertices alone
 BELOW = 0.01  # how far below a plane, in patch radii, a surface still casts a shadow on it
 
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """What is drawn of the plane through `point` (3,) [m]: its part about the foot of `centre` (3,) [m].
+    """The drawn part of the plane through `point` (3,) [m], around the foot of the perpendicular from `centre` (3,) [m].
 
-    `normal` and `tangent`: unit and orthogonal. The grid of `spacing` [m] is anchored at `point`. The patch fades out
-    towards `reach` [m]; with `plate` (2,) [m] it is a rectangle of these half sides along tangent and normal x tangent,
-    with an edge, and stops at `floors`, pairs of point and normal.
+    `normal` and `tangent`: unit and orthogonal. The grid of `spacing` [m] is anchored at `point`. The patch fades out towards the radius
+    `reach` [m]. With `plate` (2,) [m], the patch is instead a rectangle with an edge, of these half sides along tangent and normal x
+    tangent, and stops at `floors`, pairs of point and normal.
     """
 
     point: np.ndarray
@@ -58,16 +58,17 @@ class Patch:
 
     @cached_property
     def foot(self) -> np.ndarray:
-        """Where the patch has its middle, (3,) [m]."""
+        """Middle of the patch, (3,) [m]."""
         return self.centre - self.normal * (self.normal @ (self.centre - self.point))
 
     @cached_property
     def frame(self) -> np.ndarray:
-        """Rows tangent, normal x tangent, normal."""
+        """Rows tangent, normal x tangent, normal (3, 3)."""
         return np.stack([self.tangent, np.cross(self.normal, self.tangent), self.normal])
 
     def window(self, canvas: Canvas) -> np.ndarray:
-        """The first row and column of pixels that may be its, and those after the last, (2, 2); all where it reaches behind the eye."""
+        """Returns the first row and column of pixels that the patch may cover, and those after the last, (2, 2); the whole picture where
+        the patch reaches behind the eye."""
         most = np.array([canvas.height, canvas.width]) // 2
         half = np.full(2, self.reach) if self.plate is None else self.plate
         corners = self.foot + half * [[-1, -1], [-1, 1], [1, -1], [1, 1]] @ self.frame[:2]
@@ -77,7 +78,8 @@ class Patch:
         return np.stack([at.min(axis=0) - 1, at.max(axis=0) + 2]).clip(0, most).astype(int)
 
     def share(self, place: np.ndarray, size: np.ndarray) -> np.ndarray:
-        """How much of the pixels at the places (2, P) [m] from the foot, along the frame's first axes, with sizes (2, P) [m], is its."""
+        """Returns the fractions (P,) that the patch covers of pixels with sizes (2, P) [m] at places (2, P) [m] from the foot, along the
+        frame's first axes."""
         if self.plate is None:
             return single(np.hypot(*place) < self.reach)
         held = ((single(self.plate)[:, None] - np.abs(place)) / size + 0.5).clip(0, 1).prod(axis=0)
@@ -89,7 +91,7 @@ class Patch:
         return held
 
     def lines(self, place: np.ndarray, size: np.ndarray) -> np.ndarray:
-        """How dark the grid and the edge are at the places (2, P) where pixels have the sizes (2, P) [m]."""
+        """Returns the darkness (P,) of the grid and the edge at places (2, P) [m], in pixels of sizes (2, P) [m]."""
         shift = single(self.frame[:2] @ (self.foot - self.point) % (5 * self.spacing))
         anchored = place + shift[:, None]
         line = 0.26 * _grid(anchored, size, self.spacing) + 0.2 * _grid(anchored, size, 5 * self.spacing)
@@ -99,7 +101,7 @@ class Patch:
         return line + 0.6 * (1 - _smooth(inside - 1))
 
     def hatching(self, place: np.ndarray, size: np.ndarray) -> np.ndarray:
-        """How much the stripes of the solid side cover, like `lines`, (P,)."""
+        """Returns the fractions (P,) of pixels that the stripes of the solid side cover; arguments as in `lines`."""
         step = self.spacing / 2
         shift = (self.frame[:2] @ (self.foot - self.point)).sum() % step
         at, width = (place.sum(axis=0) + shift) / step, size.sum(axis=0) / step
@@ -107,15 +109,15 @@ class Patch:
         return single(line + blurred * (0.25 - line))
 
     def fade(self, place: np.ndarray) -> np.ndarray | float:
-        """Opacity at the places (2, P), as a share."""
+        """Returns the opacity at the places (2, P) [m], 0 .. 1."""
         return 1.0 if self.plate is not None else 1 - _smooth((np.hypot(*place) / self.reach - 0.55) / 0.45)
 
 
 def draw_plane(canvas: Canvas, patch: Patch, *, surfaces: Sequence[tuple[np.ndarray, np.ndarray]] = ()) -> None:
-    """Lay `patch` over `canvas`; surfaces: pairs of vertices (V, 3) [m] and faces, of the object and the solids that darken it.
+    """Draws `patch` on `canvas`. surfaces: pairs of vertices (V, 3) [m] and faces, of the object and the solids that cast shadows on it.
 
-    Colours and lines are those of whole pixels, by how much of them lines and patch cover; what is before the plane hides fine ones. The
-    plane's back is hatched and nearly clear, so that it hides nothing.
+    Colours and lines are computed for whole pixels, from the fractions that lines and patch cover; things in front of the plane hide fine
+    pixels. The plane's back is hatched and nearly clear, so that it hides nothing.
     """
     front = patch.normal @ (canvas.camera.eye - patch.foot) > 0
     opacity = 0.62 if patch.plate is None else 0.45
@@ -133,14 +135,14 @@ def draw_plane(canvas: Canvas, patch: Patch, *, surfaces: Sequence[tuple[np.ndar
 
 
 def _seen(canvas: Canvas, patch: Patch) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Pixels (P,) in which the patch is nearest somewhere, in which of their four fine ones it is, as `in_pixels` has it, and on its two
-    axes the places of their middles (2, P) and their sizes (2, P) [m]."""
+    """Returns the pixels (P,) in which the patch is somewhere the nearest thing, the mask (P,) of their visible fine pixels as packed by
+    `in_pixels`, and along the patch's two axes the places of the pixels' centres (2, P) [m] and their sizes (2, P) [m]."""
     right, above, back = single(canvas.camera.axes @ patch.frame.T)
     away = single(patch.frame @ (canvas.camera.eye - patch.foot))
     (top, left), (low, end) = patch.window(canvas)
     x, y = (slopes[2 * a : 2 * b] for slopes, a, b in zip(canvas.sight(), (left, top), (end, low), strict=True))
     depth = canvas.depth.reshape(canvas.height, canvas.width)[2 * top : 2 * low, 2 * left : 2 * end]
-    toward = (back[2] - x * right[2] - y[:, None] * above[2]) * np.sign(away[2])  # by 1 / |away_2| it is 1 / distance
+    toward = (back[2] - x * right[2] - y[:, None] * above[2]) * np.sign(away[2])  # divided by |away_2| this is 1 / distance
     shown = canvas.in_pixels((toward > 0) & (np.abs(away[2]) * depth <= 1.0005 * toward))
     row, column = np.divmod(np.flatnonzero(shown), end - left)
     shown = shown[shown > 0]
@@ -158,20 +160,20 @@ def _seen(canvas: Canvas, patch: Patch) -> tuple[np.ndarray, np.ndarray, np.ndar
 
 
 def _grid(at: np.ndarray, size: np.ndarray, spacing: float) -> np.ndarray:
-    """How much of a pixel the lines at multiples of `spacing` cover; none where they crowd."""
+    """Returns the fractions of pixels that the lines at multiples of `spacing` cover; 0 where the lines are too dense for the pixels."""
     distance = np.abs(at - spacing * np.round(at / spacing))
     line = (1.0 - _smooth(distance / size / 1.2)) * (1 - _smooth((size / spacing - 0.3) / 0.6))
     return np.maximum(*line)
 
 
 def _occlusion(surfaces: Sequence[tuple[np.ndarray, np.ndarray]], foot: np.ndarray, frame: np.ndarray, reach: float) -> np.ndarray:
-    """Share of the sky that surfaces hide from each texel of the patch, (TEXELS, TEXELS).
+    """Returns the fraction of the sky that surfaces hide from each texel of the patch, (TEXELS, TEXELS).
 
-    A piece dA of an underside at height h and lateral distance r hides h^2 / (pi (h^2 + r^2)^2) dA of it.
+    A piece dA of an underside at height h and lateral distance r hides the fraction h^2 / (pi (h^2 + r^2)^2) dA of the sky.
     """
     height = np.minimum.reduce([_heights(*surface, foot, frame, reach) for surface in surfaces])
     covered = np.nonzero(height < 1)
-    hidden: np.ndarray = np.zeros((2 * TEXELS, 2 * TEXELS), dtype=np.float32)  # with room for what falls beside the patch
+    hidden: np.ndarray = np.zeros((2 * TEXELS, 2 * TEXELS), dtype=np.float32)  # with a margin for what falls beside the patch
     if len(covered[0]):
         low = np.min(covered, axis=1)
         block = height[tuple(slice(a, b + 1) for a, b in zip(low, np.max(covered, axis=1), strict=True))]
@@ -189,7 +191,7 @@ def _occlusion(surfaces: Sequence[tuple[np.ndarray, np.ndarray]], foot: np.ndarr
 
 
 def _heights(vertices: np.ndarray, faces: np.ndarray, foot: np.ndarray, frame: np.ndarray, reach: float) -> np.ndarray:
-    """Height of a surface's underside above each texel in patch radii, (TEXELS, TEXELS); 1 where there is none above the plane."""
+    """Returns the height of a surface's underside above each texel in patch radii, (TEXELS, TEXELS); 1 if there is none above the plane."""
     offset = (vertices - foot) / reach
     along, across, height = (offset @ frame.T).T
     screen = np.column_stack([(along + 1) * TEXELS / 2, (across + 1) * TEXELS / 2, 1 - height.clip(max=1)])
@@ -201,7 +203,7 @@ def _heights(vertices: np.ndarray, faces: np.ndarray, foot: np.ndarray, frame: n
 
 
 def _covered(screen: np.ndarray, faces: np.ndarray) -> Iterable[tuple[np.ndarray, np.ndarray]]:
-    """Texels and depths of the triangles, or, where these are hardly larger than a texel, of their vertices."""
+    """Returns texels and depths of the triangles, or, where more than DENSE make them hardly larger than a texel, of their vertices."""
     if len(faces) <= DENSE:
         return ((pixel, depth) for pixel, _, depth in fragments(screen, faces, TEXELS, TEXELS))
     column, row = np.floor(screen[:, :2]).astype(np.int64).T
@@ -210,7 +212,7 @@ def _covered(screen: np.ndarray, faces: np.ndarray) -> Iterable[tuple[np.ndarray
 
 
 def _sampled(image: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """`image` (TEXELS, TEXELS) at `offset` (2, P), -1 .. 1, between the texels."""
+    """Returns `image` (TEXELS, TEXELS) at `offset` (2, P), -1 .. 1, interpolated bilinearly between the texels."""
     x, y = ((offset + 1) * TEXELS / 2 - 0.5).clip(0, TEXELS - 1.001)
     i, j = x.astype(int), y.astype(int)
     a, b = x - i, y - j

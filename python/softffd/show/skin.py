@@ -1,5 +1,4 @@
-"""The surface that pictures and page show where there is no mesh; what colours a surface: a tint at every vertex, and the pictures
-that it is multiplied with."""
+"""The surface shown where there is no mesh; the skin of a surface: a tint at every vertex, and pictures (textures) that multiply tints."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,16 +10,16 @@ from softffd.mesh.looks import Picture
 from softffd.mesh.mesh import Mesh
 
 Painter = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""Gives the colours (3, P), 0 .. 1, of places on a surface, by face (P,) and shares of its corners (3, P)."""
+"""Returns the colours (3, P), 0 .. 1, at places on a surface, given by face (P,) and barycentric coordinates (3, P)."""
 
 
 def single(values: ArrayLike) -> np.ndarray:
-    """In single precision."""
+    """Returns the values in single precision."""
     return np.asarray(values, dtype=np.float32)
 
 
 def cage_surface(origin: ArrayLike, size: ArrayLike, *, divisions: int = 24) -> tuple[np.ndarray, np.ndarray]:
-    """The six faces of the box `origin` .. `origin + size` [m], each cut into `divisions` x `divisions` squares.
+    """Builds the six faces of the box `origin` .. `origin + size` [m], each cut into `divisions` x `divisions` squares.
 
     Returns vertices (6 (divisions+1)^2, 3) [m] and faces (12 divisions^2, 3), wound so that normals point outwards.
     """
@@ -41,13 +40,13 @@ def cage_surface(origin: ArrayLike, size: ArrayLike, *, divisions: int = 24) -> 
     return np.asarray(origin) + np.concatenate(vertices) * np.asarray(size), np.concatenate(faces)
 
 
-PAINT = (0.15, 0.45, 0.68)  # of what has no colour of its own
+PAINT = (0.15, 0.45, 0.68)  # colour of surfaces without a colour of their own
 
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """`tints` (V, 3): sRGB, 0 .. 1, between the vertices linear. `pictures`, and `picture_of` (F,): which of them a face has, -1: none;
-    `uv` (V, 2): where in them the vertices are, (0, 0) at the lower left corner."""
+    """`tints` (V, 3): sRGB, 0 .. 1, linear between the vertices. `picture_of` (F,): the index of each face's picture in `pictures`, -1
+    for none. `uv` (V, 2): the places of the vertices in their pictures, (0, 0) at the lower left corner."""
 
     tints: np.ndarray
     picture_of: np.ndarray
@@ -76,12 +75,12 @@ class Skin:
 
 
 def painted(vertices: np.ndarray, faces: np.ndarray) -> Skin:
-    """The skin of a surface without looks."""
+    """Returns the skin of a surface without looks."""
     return Skin(np.tile(PAINT, (len(vertices), 1)), np.full(len(faces), -1), np.zeros((len(vertices), 2)))
 
 
 def skinned(mesh: Mesh) -> tuple[np.ndarray, np.ndarray, Skin]:
-    """A mesh as it is shown, vertices (W, 3) [m] that each have one material, faces (F, 3) of them, and their skin."""
+    """Returns a mesh as it is shown: vertices (W, 3) [m] that each have one material, the faces (F, 3) of them, and their skin."""
     looks = mesh.looks
     source, material, faces = looks.apart(mesh.faces)
     vertices = mesh.vertices[source]

@@ -1,7 +1,7 @@
-"""The shapes of solid obstacles: triangles for whoever draws them, and distances from them.
+"""The shapes of solid obstacles: triangles for drawing, and distances from the solids.
 
-A shape lies about the origin, along its own axes; a cylinder's axis is the third, and so is the pole of a sphere, around which
-its triangles are finest, so that a sphere far larger than the object is round where it comes near.
+A shape lies about the origin, along its own axes. The third axis is the axis of a cylinder and carries the pole of a sphere. A sphere's
+triangles are finest around the pole, so that a sphere far larger than the object is round where it comes near the object.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,15 +12,15 @@ import numpy as np
 from softffd.obstacles import SolidShape
 from softffd.show.skin import cage_surface
 
-AROUND, RINGS = 64, 48  # sides of what is round, and rings of a sphere from pole to pole
-FINEST = 2000  # sides of a cylinder, at most
-SAGITTA = 1e-3  # by which the sides of a cylinder may be off the circle, as a share of what there is to see
+AROUND, RINGS = 64, 48  # number of sides of round shapes, and of rings of a sphere from pole to pole
+FINEST = 2000  # largest number of sides of a cylinder
+SAGITTA = 1e-3  # allowed distance of a cylinder's sides from the circle, as a fraction of the size of the scene
 
 
 @dataclass(frozen=True, eq=False)
 class Form:
-    """`vertices` (V, 3) [m] with outward unit `normals` (V, 3), `faces` (F, 3), of the `shape`; `beyond`: how far places (N, 3) [m] are
-    beyond each of the surfaces whose insides have the solid in common, (N, K) [m], for surfaces at right angles."""
+    """Triangles of a `shape`: `vertices` (V, 3) [m] with outward unit `normals` (V, 3), `faces` (F, 3). The solid is the intersection of
+    the insides of K surfaces at right angles; `beyond` returns how far places (N, 3) [m] are outside each of them, (N, K) [m]."""
 
     vertices: np.ndarray
     normals: np.ndarray
@@ -29,18 +29,18 @@ class Form:
     beyond: Callable[[np.ndarray], np.ndarray]
 
     def gap(self, places: np.ndarray) -> np.ndarray:
-        """Signed distance of places (N, 3) [m], negative inside, (N,) [m]."""
+        """Returns the signed distances (N,) [m] of places (N, 3) [m] from the solid, negative inside."""
         beyond = self.beyond(places)
         return np.linalg.norm(beyond.clip(0), axis=1) + beyond.max(axis=1).clip(max=0)
 
 
 def form_of(solid: SolidShape, scale: float) -> Form:
-    """The form of a SolidShape, for pictures of a scene of a size `scale` [m]."""
+    """Returns the form of a SolidShape, for pictures of a scene of size `scale` [m]."""
     return FORMS[solid.kind](solid, scale)
 
 
 def _sphere(solid: SolidShape, scale: float) -> Form:
-    """Half of the rings are within `scale` of the pole."""
+    """Returns the form of a sphere; half of its rings are within `scale` of the pole."""
     crowded = np.log2(max(2.0, np.pi * solid.radius / scale))
     angle = np.pi * np.linspace(0, 1, RINGS + 1) ** crowded
     profile = np.column_stack([np.sin(angle), np.cos(angle)])
@@ -71,7 +71,7 @@ FORMS = {"sphere": _sphere, "cylinder": _cylinder, "box": _box}
 
 
 def _lathed(lines: Sequence[tuple[np.ndarray, np.ndarray]], sides: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices, normals and faces of what profiles leave around the third axis.
+    """Returns vertices, normals and faces of the surfaces that profiles generate when they turn around the third axis.
 
     lines: pairs of places (P, 2) [m] and normals (P, 2), each as distance from the axis and height.
     """
@@ -88,6 +88,6 @@ def _lathed(lines: Sequence[tuple[np.ndarray, np.ndarray]], sides: int) -> tuple
 
 
 def _turned(profile: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Profile (P, 2) at each angle (A,), (P * A, 3)."""
+    """Returns the profile (P, 2) at each angle (A,), (P * A, 3)."""
     around = np.stack([np.cos(angle), np.sin(angle)], axis=1) * profile[:, None, :1]
     return np.concatenate([around, np.broadcast_to(profile[:, None, 1:], (*around.shape[:2], 1))], axis=2).reshape(-1, 3)

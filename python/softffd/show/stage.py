@@ -1,4 +1,4 @@
-"""What there is to see of a run: the object's surface, its lattice over time, the obstacles, and which way is up."""
+"""What pictures show of a run: the object's surface, its lattice over time, the obstacles, and the up direction."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,18 +20,18 @@ from softffd.show.solid import Form, form_of
 
 FREE, PINNED = (0.90, 0.42, 0.05), (0.10, 0.10, 0.12)
 OBSTACLES = ((0.63, 0.67, 0.73), (0.34, 0.71, 0.91), (0.80, 0.47, 0.65), (0.0, 0.62, 0.45), (0.90, 0.62, 0.0))
-"""Colours that remain apart for the colour-blind, and from the object's paint: its control points, the obstacles in turn."""
+"""Colours of control points (FREE, PINNED) and of the obstacles in turn; distinct for the colour-blind, and from the object's paint."""
 
-VIEW = (-1.0, 0.27)  # from where one looks first, rad: about the up direction, and above the horizon
-BESIDE, AROUND = 0.15, 1.0  # how far beside the lattice a solid, or a free body, is in view, as a share of the diagonal of its box
-FARTHEST = 1e15  # m: of places farther off single precision, in which pictures are made, has no squares
-GLANCES = 50  # frames, evenly chosen, whose solids are to be in view
+VIEW = (-1.0, 0.27)  # the usual view [rad]: turn about the up direction, and lift above the horizon
+BESIDE, AROUND = 0.15, 1.0  # a solid, or a free body, is in view this far beside the lattice, as a fraction of the diagonal of its box
+FARTHEST = 1e15  # m: farther places have no squares in single precision, in which pictures are computed
+GLANCES = 50  # number of evenly chosen frames whose solids are to be in view
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """An obstacle over time: a point (T, 3) [m], a plane's unit normal or a solid's third axis (T, 3), and across it a tangent or the
-    solid's first axis (T, 3); its colour."""
+    """An obstacle over time: `points` (T, 3) [m]; `normals` (T, 3), a plane's unit normals or a solid's third axes; `tangents` (T, 3),
+    unit vectors across the normals, of a solid its first axes; `tint`, its colour."""
 
     name: str
     tint: Tint
@@ -41,47 +41,48 @@ class Track:
 
     @cached_property
     def axes(self) -> np.ndarray:
-        """Its axes, unit vectors as rows (T, 3, 3)."""
+        """The obstacle's axes, unit vectors as rows (T, 3, 3)."""
         return np.stack([self.tangents, np.cross(self.normals, self.tangents), self.normals], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
 class PlaneTrack(Track):
-    """An obstacle plane over time. `is_floor`: one could stand on it all the time; it is drawn as a floor without an edge, which hides what
-    is below, and every other plane as a plate as large as the scene."""
+    """An obstacle plane over time. `is_floor`: one could stand on the plane during the whole run. A floor is drawn without an edge and
+    hides what is below it; every other plane is drawn as a plate as large as the scene."""
 
     is_floor: bool
 
     def gap(self, frame: int, places: np.ndarray) -> np.ndarray:
-        """Distance of places (N, 3) [m] from it in a frame, negative behind it, (N,) [m]."""
+        """Returns the distances (N,) [m] of places (N, 3) [m] from the plane in a frame, negative behind the plane."""
         return (places - self.points[frame]) @ self.normals[frame]
 
 
 @dataclass(frozen=True, eq=False)
 class SolidTrack(Track):
-    """A solid obstacle over time, by its centre. `in_view`: how far beside the lattice it is to be seen, as a share of its diagonal."""
+    """A solid obstacle over time; `points` are its centres. `in_view`: how far beside the lattice the solid is in view, as a fraction of
+    the diagonal of the box that the lattice covers."""
 
     form: Form
     in_view: float = BESIDE
 
     def surface(self, frame: int) -> tuple[np.ndarray, np.ndarray]:
-        """Vertices (V, 3) [m] and their normals (V, 3) in a frame."""
+        """Returns the vertices (V, 3) [m] and their normals (V, 3) in a frame."""
         return self.points[frame] + self.form.vertices @ self.axes[frame], self.form.normals @ self.axes[frame]
 
     def gap(self, frame: int, places: np.ndarray) -> np.ndarray:
-        """Signed distance of places (N, 3) [m] from it in a frame, negative inside, (N,) [m]."""
+        """Returns the signed distances (N,) [m] of places (N, 3) [m] from the solid in a frame, negative inside."""
         return self.form.gap((places - self.points[frame]) @ self.axes[frame].T)
 
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A run as pictures see it.
+    """A run as pictures show it.
 
-    `time` (T,) [s]; `positions` (T, nx, ny, nz, 3) [m], all finite. `origin`, `size` (3,) [m]: the box in which the
-    surface is embedded; `basis`: that of its volume. `vertices` (V, 3) [m] and `faces` (F, 3): the surface at rest;
-    `skin`: its colours. `is_cage`: the surface is the boundary of the volume itself.
-    `pinned`: flat indices of attached control points. `up` (3,): unit. `centre`, `half` (3,) [m]: middle and half the
-    sides of the box of all that the lattice ever covers, and of solids what is beside it.
+    `time` (T,) [s]; `positions` (T, nx, ny, nz, 3) [m], all finite. `origin`, `size` (3,) [m]: the box in which the surface is embedded;
+    `basis`: the basis functions of the volume. `vertices` (V, 3) [m] and `faces` (F, 3): the surface at rest; `skin`: its colours.
+    `is_cage`: the surface is the boundary of the volume itself. `pinned`: flat indices of pinned control points. `up` (3,): unit vector.
+    `centre`, `half` (3,) [m]: middle and half sides of the box around all that the lattice ever covers and around the nearby parts of
+    solids.
     """
 
     title: str
@@ -111,7 +112,7 @@ class Stage:
 
     @property
     def radius(self) -> float:
-        """Half the diagonal of the box of all there is to see, m."""
+        """Half the diagonal [m] of the box of all there is to see."""
         return float(np.linalg.norm(self.half))
 
     @cached_property
@@ -121,7 +122,7 @@ class Stage:
 
     @cached_property
     def edges(self) -> np.ndarray:
-        """Neighbours along the axes, (E, 2) flat indices: the lines of the lattice."""
+        """The lines of the lattice: pairs of neighbours along the axes, (E, 2) flat indices."""
         index = index_grid(self.counts).T
         pairs = [(index[:, :, :-1], index[:, :, 1:]), (index[:, :-1], index[:, 1:]), (index[:-1], index[1:])]
         return np.concatenate([np.stack([a.ravel(), b.ravel()], axis=1) for a, b in pairs])
@@ -131,16 +132,16 @@ class Stage:
         return Embedding(self.vertices, self.origin, self.size, self.counts, self.basis)
 
     def contact_points(self, positions: np.ndarray) -> np.ndarray:
-        """What obstacles meet of a lattice (N, 3) [m] for control points (nx, ny, nz, 3) [m]: these, or the nodes of a solid."""
+        """Returns the lattice points (N, 3) [m] that meet obstacles, for control points (nx, ny, nz, 3) [m]: these, or a solid's nodes."""
         return to_flat(node_positions(positions) if self.basis == "patches" else positions)
 
     def deformed(self, positions: np.ndarray) -> np.ndarray:
-        """The surface's vertices (V, 3) [m] for control points (nx, ny, nz, 3) [m]."""
+        """Returns the surface's vertices (V, 3) [m] for control points (nx, ny, nz, 3) [m]."""
         return self._embedding.deform(positions)
 
 
 def surface_of(result: Result, stage: Stage | None = None) -> Mesh:
-    """The object's surface at rest: the scene's mesh, else the boundary of the box as pictures show it. stage: of the result, if known."""
+    """Returns the object's surface at rest: the scene's mesh, or the box's boundary as pictures show it. stage: the result's, if known."""
     if result.loaded_mesh is not None:
         return result.loaded_mesh
     stage = stage or stage_of(result)
@@ -148,14 +149,14 @@ def surface_of(result: Result, stage: Stage | None = None) -> Mesh:
 
 
 def stage_of(result: Result) -> Stage:
-    """The stage of a `Result`: its object is the mesh of the scene, without one the boundary of the volume; its box that of the lattice,
-    else of the first frame. Raises SoftffdError when positions of control points were not recorded."""
+    """Returns the stage of a `Result`. The surface is the scene's mesh, or without one the boundary of the volume; the box is the
+    lattice's, or else that of the first frame. Raises SoftffdError when positions of control points were not recorded."""
     positions, mesh = _recorded(result), result.loaded_mesh
     origin, size = _box(result)
     if mesh is not None:
         vertices, faces, skin = skinned(mesh)
     else:
-        several = max(24, 3 * (max(positions.shape[1:4]) - 1))  # squares to a cell, so that its bends look round
+        several = max(24, 3 * (max(positions.shape[1:4]) - 1))  # several squares per cell, so that bends of a cell look round
         vertices, faces = cage_surface(origin, size, divisions=several)
         skin = painted(vertices, faces)
     up = up_direction(result)
@@ -187,14 +188,14 @@ def stage_of(result: Result) -> Stage:
 
 
 def _flat(result: Result) -> list[str]:
-    """Names of the obstacles that are planes; in other FMUs what could be one."""
+    """Returns the names of plane obstacles whose normals are parameters or inputs; in other FMUs, of the parts that could be planes."""
     values = {*result.parameters, *result.inputs}
     return [part.name for part in result.obstacle_parts() if part.kind == "plane" and set(vector_names("plane_normal", part)) <= values]
 
 
 def beside(covered: np.ndarray, solid: SolidTrack, frame: int) -> np.ndarray:
-    """What is in view of a solid in a frame, as a box: ends (2, 3) [m]; covered: those of the box that the lattice covers, and what it is
-    where the solid is far from it."""
+    """Returns the ends (2, 3) [m] of the box around what is in view of a solid in a frame. covered: the ends (2, 3) [m] of the box that
+    the lattice covers, which are returned where the solid is far from that box."""
     margin = solid.in_view * np.linalg.norm(covered[1] - covered[0])
     least, most = covered[0] - margin, covered[1] + margin
     places = solid.surface(frame)[0]
@@ -204,7 +205,7 @@ def beside(covered: np.ndarray, solid: SolidTrack, frame: int) -> np.ndarray:
 
 
 def up_direction(result: Result) -> np.ndarray:
-    """Unit vector (3,) against gravity; +z without a scene or without gravity."""
+    """Returns the unit vector (3,) against gravity; +z without a scene or without gravity."""
     gravity = result.scene.environment.gravity if result.scene else None
     pull = 0.0 if gravity is None else np.linalg.norm(gravity)
     return np.array([0.0, 0.0, 1.0]) if pull == 0 else -np.asarray(gravity, float) / pull
@@ -240,7 +241,7 @@ def _track(name: str, tint: Tint, up: np.ndarray, points: np.ndarray, normals: n
 
 
 def _solid_track(solid: SolidShape, tint: Tint, result: Result, covered: np.ndarray) -> SolidTrack:
-    """The pole of a sphere, which looks the same however it is turned, is where the lattice's box is."""
+    """Returns the track of a solid. A sphere looks the same however it is turned, so its pole is turned towards the lattice's box."""
     form = form_of(solid, float(np.linalg.norm(covered[1] - covered[0])))
     points, normals = result.plane(solid.name)
     in_view = AROUND if result.is_free(solid.name) else BESIDE
@@ -254,7 +255,7 @@ def _solid_track(solid: SolidShape, tint: Tint, result: Result, covered: np.ndar
 
 
 def _tangents(normals: np.ndarray) -> np.ndarray:
-    """Unit vectors (T, 3) across unit normals (T, 3), along one world axis through the run: that which the normal comes least close to."""
+    """Returns unit vectors (T, 3) across unit normals (T, 3), along one world axis throughout the run: that farthest from the normals."""
     axis, spare = np.eye(3)[np.abs(normals).max(axis=0).argsort()[:2]]
     axes = np.where(np.abs(normals @ axis)[:, None] < 0.999, axis, spare)
     return unit(axes - normals * np.einsum("ta,ta->t", normals, axes)[:, None])
@@ -266,6 +267,6 @@ def _pinned(result: Result) -> np.ndarray:
 
 
 def round_length(length: float) -> float:
-    """The largest of 1, 2, 5, 10, ... [m] not above `length`: a spacing for grids."""
+    """Returns the largest of 1, 2, 5, 10, ... [m] not above `length`, a spacing for grids."""
     power = 10.0 ** np.floor(np.log10(length))
     return float(max(f * power for f in (1, 2, 5) if f * power <= length * (1 + 1e-9)))

@@ -1,8 +1,8 @@
-"""The surface of an object as a page holds it: whole numbers in one compressed block, which `page/unpack.js` opens.
+"""The surface of an object as a page holds it: integers in one compressed block, which `page/unpack.js` unpacks.
 
-Places have 20 bits along each side of the box (they are off by 5e-7 of the side at most, below a pixel at any zoom that the page allows),
-normals 12 bits on each side of an octahedron (0.03 degrees, below a step of grey), tints the 8 that screens have. Vertices follow a curve
-that fills the box, and triangles their vertices, so that neighbours have near numbers and their differences are small.
+Places have 20 bits along each side of the box: their error is 5e-7 of the side at most, below a pixel at any zoom that the page allows.
+Normals have 12 bits on each side of an octahedron (0.03 degrees, below a step of grey), tints the 8 bits that screens have. Vertices are
+sorted along a curve that fills the box, and triangles by their vertices, so that neighbours have close numbers with small differences.
 """
 
 import base64
@@ -21,10 +21,10 @@ PLACE_BITS, NORMAL_BITS = 20, 12
 
 
 def surface(stage: Stage, taxels: AtlasPlaces | None = None) -> dict[str, Any]:
-    """The packed arrays of a stage's W vertices and F triangles: parameters, normals, tints, places in pictures, and places in the atlas of
-    taxels where there are some; three numbers a triangle.
+    """Returns the packed arrays of a stage's W vertices and F triangles: parameters, normals, tints, places in pictures and, with
+    `taxels`, places in their atlas; three numbers per triangle.
 
-    Triangles with one picture follow each other: `parts` are pairs of a picture's number and how many there are.
+    Triangles with one picture are consecutive: `parts` are pairs of a picture's number and the number of its triangles.
     """
     source, normals, faces = split_at_creases(stage.vertices, stage.faces)
     places = zip(((stage.vertices[source] - stage.origin) / stage.size).T, stage.counts, strict=True)
@@ -33,7 +33,7 @@ def surface(stage: Stage, taxels: AtlasPlaces | None = None) -> dict[str, Any]:
     number = np.empty_like(order)
     number[order] = np.arange(len(order))
     faces, picture = number[faces], stage.skin.picture_of
-    faces = np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)  # the least first, wound as before
+    faces = np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)  # smallest index first, winding unchanged
     sequence = np.lexsort((faces[:, 2], faces[:, 1], faces[:, 0], picture))
     faces, (pictures, counts) = faces[sequence], np.unique(picture, return_counts=True)
     uv, uv_scales = _whole(stage.skin.uv[source] if stage.skin.pictures else np.zeros((len(source), 2)))
@@ -52,21 +52,21 @@ def surface(stage: Stage, taxels: AtlasPlaces | None = None) -> dict[str, Any]:
 
 
 def _whole(values: np.ndarray) -> tuple[np.ndarray, list[list[float]]]:
-    """Values (N, K) as whole numbers of 20 bits, and of each of the K what 0 means and what 1 more."""
+    """Returns values (N, K) as integers of 20 bits, and for each of the K columns the value that 0 means and the step between integers."""
     low, high = bounding_box(values)
     step = np.where(high > low, high - low, 1.0) / (2**PLACE_BITS - 1)
     return ((values - low) / step).round().astype(np.int64), np.stack([low, step], axis=1).tolist()
 
 
 def _along_a_curve(places: np.ndarray) -> np.ndarray:
-    """Morton's number (N,) of places (N, 3) of up to 21 bits: the bits of the three in turn."""
+    """Returns the Morton numbers (N,) of places (N, 3) of up to 21 bits: the bits of the three coordinates in turn."""
     bits = np.unpackbits(places[:, ::-1].astype(">u4").view(np.uint8).reshape(-1, 3, 4), axis=2)
     in_turn = bits.transpose(0, 2, 1).reshape(-1, 96)
     return np.packbits(in_turn[:, -64:], axis=1).view(">u8")[:, 0]
 
 
 def _on_octahedron(normals: np.ndarray) -> np.ndarray:
-    """Unit normals (N, 3) as whole numbers (N, 2) on the unfolded octahedron (Cigolle et al. 2014); of no normal the middle."""
+    """Returns unit normals (N, 3) as integers (N, 2) on the unfolded octahedron (Cigolle et al. 2014); a zero normal becomes the middle."""
     size = np.abs(normals).sum(axis=1, keepdims=True)
     flat = normals / np.where(size > 0, size, 1.0)
     folded = (1 - np.abs(flat[:, 1::-1])) * np.where(flat[:, :2] < 0, -1.0, 1.0)
@@ -75,8 +75,7 @@ def _on_octahedron(normals: np.ndarray) -> np.ndarray:
 
 
 def _block(columns: list[np.ndarray]) -> dict[str, Any]:
-    """Columns of whole numbers, with signs, as bytes: of each its lowest bytes, then the next; how many of these each has, and of what
-    length."""
+    """Returns columns of signed integers as bytes, of each column all lowest bytes, then the next; and the columns' lengths and bytes."""
     planes, pieces = [], []
     for column in columns:
         number = np.where(column < 0, -2 * column - 1, 2 * column).astype("<u4")

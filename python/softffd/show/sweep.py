@@ -1,4 +1,4 @@
-"""The picture of a sweep: lines over one variable, for two a line for each value of the one with fewer, or maps where both have many."""
+"""The picture of a sweep: lines over one variable; for two, a line for each value of the one with fewer, or maps where both have many."""
 
 import math
 from collections.abc import Mapping
@@ -15,13 +15,13 @@ from softffd.files import replacing
 from softffd.show.figure import PLAIN, new_figure
 
 LARGEST = 30
-"""Outputs in one picture"""
+"""Largest number of outputs in one picture"""
 MOST_LINES = 8
-"""In one panel; more values than these of two variables make a map"""
+"""Largest number of lines in one panel; two variables with more values each make a map"""
 LETTERS = 30
-"""That have room beside each other below a panel; words that are too long for that stand aslant"""
+"""Number of letters that fit side by side below a panel; longer labels are slanted"""
 ROOM = 1 / 14
-"""Of an axis that a word takes across its line; values closer than this have a tick without a word"""
+"""Fraction of an axis that a label takes across its line; values closer than this have a tick without a label"""
 FORMATS = (".png", ".svg", ".pdf")
 
 
@@ -29,9 +29,10 @@ def draw(
     title: str, values: Mapping[str, np.ndarray], outputs: Mapping[str, np.ndarray], units: Mapping[str, str], failed: np.ndarray,
     file: str | Path | None,
 ) -> Figure:  # fmt: skip
-    """A panel for each output, beside and below each other; failed runs are crosses.
+    """Draws a panel for each output, side by side and below each other; failed runs are crosses.
 
-    values: (n,) of each varied variable; outputs, failed: over their grid. units: by name. file: where it is written, if anywhere.
+    values: (n,) of each varied variable; outputs, failed: over their grid. units: by name. file: path of the picture, or None. Raises
+    SoftffdError for more than two variables, no or more than LARGEST outputs, or another ending than FORMATS has.
     """
     if not 1 <= len(values) <= 2:
         raise SoftffdError(f"plot: wanted one or two varied variables, got {len(values)}; to_xarray takes any number")
@@ -64,7 +65,7 @@ def draw(
 
 
 class _Axis:
-    """A varied variable as an axis with ticks at its values: names at whole numbers; logarithmic where the values grow by a factor."""
+    """A varied variable as an axis with ticks at its values: names are placed at integers; values that grow by a factor are logarithmic."""
 
     def __init__(self, name: str, unit: str, values: np.ndarray):
         self.label, self._named = _label(name, unit), values.dtype.kind in "UO"
@@ -77,7 +78,7 @@ class _Axis:
         self._logarithmic = bool(not self._named and ratios.size and np.allclose(ratios, ratios[0]) and ratios[0] > 1.2)
 
     def dress(self, axis: Any, scale: Any) -> None:
-        """axis: xaxis or yaxis of a panel; scale: its set_xscale or set_yscale."""
+        """Sets label, scale and ticks. axis: xaxis or yaxis of a panel; scale: the panel's set_xscale or set_yscale."""
         axis.set_label_text(self.label, **PLAIN)
         if self._logarithmic:
             scale("log")
@@ -89,7 +90,7 @@ class _Axis:
         axis.set_minor_locator(NullLocator())
 
     def _words_with_room(self, shares: np.ndarray) -> list[str]:
-        """Those of both ends, and of what is between them each that is not too close to another one."""
+        """Returns the labels of both ends and of the values between that are not too close to another labelled value; "" for the others."""
         kept: list[float] = []
         for n in [self.order[0], self.order[-1], *self.order[1:-1]]:
             if all(abs(shares[n] - other) >= ROOM for other in kept):
@@ -98,7 +99,7 @@ class _Axis:
 
 
 def _lines(panel: Any, axes: list[_Axis], values: np.ndarray, failed: np.ndarray, label: str) -> None:
-    """A line for each value of the second variable, in its colour, crosses too."""
+    """Draws a line, in its own colour, for each value of the second variable, and the crosses of its failed runs."""
     x = axes[0]
     count = len(axes[1].places) if len(axes) == 2 else 1
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.85, count)) if count > 1 else ["#1f5fa8"]

@@ -1,4 +1,4 @@
-"""The picture of a sensor: maps of the contact pressure on its taxels at telling moments, and the largest and the mean over time."""
+"""The picture of a sensor: maps of the contact pressure on its taxels at telling moments, and its largest and mean value over time."""
 
 from collections.abc import Sequence
 
@@ -13,11 +13,11 @@ from softffd.show.tension import RAMP
 from softffd.taxels import TaxelGrid
 
 PRESSED = 0.01
-"""Of the largest pressure of a run, what a map of the end must have"""
+"""A map of the end is drawn if its largest pressure exceeds this fraction of the run's largest pressure"""
 
 
 def taxel_picture(result: Result, name: str) -> Figure:
-    """That of Result.plot_taxels."""
+    """Draws the picture of Result.plot_taxels."""
     grid, pressure = grid_of(result.taxels, name), result.taxel_pressure(name)
     moments = pressed_moments(grid, pressure)
     figure, ends = new_figure(13.0, 6.8, dpi=120), (0.0, float(pressure.max()) or 1.0)
@@ -35,8 +35,8 @@ def taxel_picture(result: Result, name: str) -> Figure:
 
 
 def pressed_moments(grid: TaxelGrid, pressure: np.ndarray) -> dict[int, str]:
-    """Half of the largest force, largest pressure of a taxel, largest force, and the end where that is pressed, in the order of time:
-    {frame: words}; of those of one frame fewer, without contact the end."""
+    """Returns {frame: words} of half of the largest force, largest pressure of a taxel, largest force, and the end if it is pressed, in
+    the order of time. Moments of one frame are merged; without contact there is only the end."""
     force = (pressure * np.array(grid.areas)).sum(axis=(1, 2))
     last, largest = len(pressure) - 1, pressure.max(axis=(1, 2))
     if largest.max() <= 0:
@@ -54,10 +54,10 @@ def pressed_moments(grid: TaxelGrid, pressure: np.ndarray) -> dict[int, str]:
 
 
 def _draw_map(figure: Figure, box: Box, grid: TaxelGrid, pressure: np.ndarray, ends: Sequence[float], caption: str) -> None:
-    """One grid over its two axes at rest."""
+    """Draws the map of one grid over its two axes at rest."""
     axes = figure.add_axes(box)
     lower, upper = np.array(grid.lower), np.array(grid.upper)
-    half = np.where(upper > lower, 0.0, np.sqrt(np.sum(grid.areas)) / 2)  # of a patch that has one place along a side
+    half = np.where(upper > lower, 0.0, np.sqrt(np.sum(grid.areas)) / 2)  # half the side of a patch without extent along that side
     (left, low), (right, high) = lower - half, upper + half
     axes.imshow(
         pressure.T, cmap=RAMP, vmin=ends[0], vmax=ends[1], origin="lower", extent=(left, right, low, high), interpolation="nearest",

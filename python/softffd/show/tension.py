@@ -1,5 +1,5 @@
-"""Colours of what happens inside, a quantity of the lattice's cells, and of contact pressure on taxels: on the surface of a picture, and
-for the page by its cells and by an atlas of all grids of taxels."""
+"""Colours of a surface by a quantity of the lattice's cells or by contact pressure on taxels: tints for pictures; for the page, values of
+the cells and an atlas of all grids of taxels."""
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
@@ -14,11 +14,11 @@ from softffd.run.pressure import surface_pressure, taxel_pressure, with_pressure
 from softffd.run.result import Result
 from softffd.show.stage import Stage, surface_of
 
-RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)  # the second: inverted cells, which have no stress
+RAMP, FOLDED = "viridis", (0.5, 0.5, 0.5)  # FOLDED: colour of inverted cells, which have no stress
 
 CELLS_AT_A_TIME = 200_000
 PRESSED = "contact_pressure"
-FACING = 0.2  # least cosine between the normal of a vertex and the side that a grid faces, for it to be of the grid
+FACING = 0.2  # a vertex belongs to a grid if its normal has a larger cosine with the side that the grid faces
 
 
 def _von_mises(result: Result, frame: Any) -> np.ndarray:
@@ -35,13 +35,13 @@ COLOURS = {
     "von_mises": ("von Mises stress at the cells' centres", "Pa", _von_mises),
     "stretch": ("largest principal stretch at the cells' centres", "", _stretch),
 }
-"""By name: in words, unit, and the values of all cells (T, nx - 1, ny - 1, nz - 1) at rows (T,) of a result."""
+"""By name: description, unit, and a function that returns the values of all cells (T, nx - 1, ny - 1, nz - 1) at rows (T,) of a result."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """A quantity of all cells over the frames (T, nx - 1, ny - 1, nz - 1), NaN where a cell is inverted, or of all taxels, an atlas; ends
-    of its scale."""
+    """A quantity over the frames, of all cells (T, nx - 1, ny - 1, nz - 1), NaN where a cell is inverted, or of all taxels, as an atlas
+    (T, W, H, S); `ends` of its colour scale."""
 
     name: str
     words: str
@@ -51,7 +51,7 @@ class Cells:
 
 
 def cells_of(result: Result, frames: np.ndarray) -> list[Cells]:
-    """The Cells of every name of COLOURS that the result knows, at these rows."""
+    """Returns the Cells at these rows for every name in COLOURS that the result can provide."""
     found = []
     for name in COLOURS:
         with suppress(SoftffdError):
@@ -60,7 +60,7 @@ def cells_of(result: Result, frames: np.ndarray) -> list[Cells]:
 
 
 def pressure_of(result: Result, frames: np.ndarray) -> Cells | None:
-    """The contact pressure at these rows; None where there are no taxels that have it."""
+    """Returns the contact pressure at these rows, or None where no taxels have a recorded pressure."""
     if not with_pressure(result.taxels, result.outputs):
         return None
     values = _atlas(result, frames)
@@ -68,15 +68,15 @@ def pressure_of(result: Result, frames: np.ndarray) -> Cells | None:
 
 
 def tension_of(result: Result, stage: Stage, frames: Sequence[int], colour: str) -> tuple[Cells, dict[int, np.ndarray]]:
-    """The Cells of a name of COLOURS, or of contact pressure, in `frames`, and by frame the tints (V, 3) of the stage's vertices. Between
-    the centres of cells these are linear, beyond them that of the nearest. SoftffdError where the result does not know it."""
+    """Returns the Cells of a name in COLOURS, or of contact pressure, in `frames`, and by frame the tints (V, 3) of the stage's vertices.
+    Values are linear between the centres of cells, beyond them that of the nearest. Raises SoftffdError where the result has none."""
     from matplotlib import colormaps
 
     require_name("colour", colour, [*COLOURS, PRESSED])
     rows, tints = np.array(frames), {}
     if colour == PRESSED:
         parts = result.covered_by_taxels(surface_of(result, stage))
-        of_surface = surface_pressure(result.outputs, parts, rows)  # refuses what pressure_of has not
+        of_surface = surface_pressure(result.outputs, parts, rows)  # raises SoftffdError where pressure_of returns None
         all_of_vertices: Iterable[np.ndarray] = of_surface[:, _source(result, stage)]
         cells = pressure_of(result, rows)
         assert cells is not None
@@ -97,20 +97,20 @@ def _cells(name: str, result: Result, frames: np.ndarray) -> Cells:
 
 
 def _parts(result: Result, frames: np.ndarray) -> list[np.ndarray]:
-    """Of the frames, each with so many cells that what stress needs on the way stays small."""
+    """Splits the frames into parts with so few cells that the temporary arrays of the stress computation stay small."""
     cells = np.prod(np.array(result.positions.shape[1:4]) - 1)
     return np.array_split(frames, max(1, int(len(frames) * cells / CELLS_AT_A_TIME)))
 
 
 def _ends(name: str, values: np.ndarray) -> tuple[float, float]:
-    """Of the scale, low before high; stress and pressure begin at nothing, stretch where it is least, at 1 at most."""
+    """Returns the ends of the scale, low before high. Stress and pressure begin at 0, stretch at its least value, but at 1 at most."""
     low, high = (0.0 if name != "stretch" else values.min(initial=1.0)), values.max(initial=1e-300)
     return float(low), float(high if high > low else low + 1)
 
 
 def at_places(values: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Values of the cells (nx - 1, ny - 1, nz - 1) at places (V, 3) of the box, 0 .. 1 along each side, (V,): linear between
-    the centres."""
+    """Returns the values of the cells (nx - 1, ny - 1, nz - 1), which are linear between the cells' centres, at places (V, 3) of the box,
+    0 .. 1 along each side, as (V,)."""
     most = np.array(values.shape) - 1
     place = (places * values.shape - 0.5).clip(0, most)
     low = np.minimum(place.astype(int), np.maximum(most - 1, 0))
@@ -123,13 +123,13 @@ def at_places(values: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 
 def outward(result: Result) -> np.ndarray:
-    """Unit vector (3,) that the first grid faces at rest."""
+    """Returns the unit vector (3,) that the first grid faces at rest."""
     grid = with_pressure(result.taxels, result.outputs)[0]
     return grid.side * np.eye(3)[grid.axis]
 
 
 def _atlas(result: Result, frames: np.ndarray) -> np.ndarray:
-    """Pressures (T, W, H, S) [Pa], a layer for each of S sensors; a grid smaller than a layer goes on as it ends."""
+    """Returns pressures (T, W, H, S) [Pa], one layer for each of S sensors; a grid smaller than a layer is padded with its edge values."""
     grids = with_pressure(result.taxels, result.outputs)
     sides = _sides(result)
     layers = [taxel_pressure(result.outputs, grid, frames) for grid in grids]
@@ -139,20 +139,20 @@ def _atlas(result: Result, frames: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class AtlasPlaces:
-    """Where the vertices of a stage are in the atlas (V, 3), 0 .. 1, the axes (V,) and sides (V,) of their grids; a side of 0: in none."""
+    """Places (V, 3) of a stage's vertices in the atlas, 0 .. 1, and axes (V,) and sides (V,) of the vertices' grids; side 0: in no grid."""
 
     places: np.ndarray
     axes: np.ndarray
     sides: np.ndarray
 
     def of(self, source: np.ndarray, normals: np.ndarray) -> np.ndarray:
-        """(W, 4) of copies of vertices, by the vertices (W,) and their normals (W, 3): place, and 1 on taxels, 0 beside them."""
+        """Returns (W, 4) for copies of vertices (W,) with normals (W, 3): the place in the atlas, and 1 on taxels, 0 beside them."""
         towards = self.sides[source] * np.take_along_axis(normals, self.axes[source, None], axis=1)[:, 0]
         return np.column_stack([self.places[source], towards > FACING])
 
 
 def atlas_places(result: Result, stage: Stage) -> AtlasPlaces | None:
-    """None where there are no taxels with pressures."""
+    """Returns the places of a stage's vertices in the atlas; None where no taxels have pressures."""
     parts = result.covered_by_taxels(surface_of(result, stage))
     if not parts:
         return None
@@ -171,6 +171,6 @@ def _sides(result: Result) -> tuple[int, int]:
 
 
 def _source(result: Result, stage: Stage) -> np.ndarray:
-    """Which vertex of the mesh (V,) each of the stage's copies."""
+    """Returns for each of the stage's vertices (V,) the vertex of the mesh that it copies."""
     mesh = result.loaded_mesh
     return np.arange(len(stage.vertices)) if mesh is None else mesh.looks.apart(mesh.faces)[0]

@@ -1,10 +1,10 @@
 """The interactive page of a run, or of several: one HTML file that needs nothing else.
 
-The page carries the surface at rest and the control points of every frame; its vertex shader evaluates the volume,
-so a frame costs the control points whatever the size of the mesh; of B-splines or patches 64 of them count at a vertex.
-In the folder `page`, `view.html` is the page with its style. `gl.js` makes what WebGL needs, `camera.js` says from where, and `drawing.js`,
-`names.js` and `touch.js` draw with `view.glsl` what a source gives them, here `recorded.js`. `unpack.js` opens surfaces, `view.js` listens
-and tells, `keys.js` has the keys, `keep.js` saves pictures and films.
+The page carries the surface at rest and the control points of every frame. Its vertex shader evaluates the volume, so a frame costs the
+control points whatever the size of the mesh; of B-splines or patches, 64 control points count at a vertex.
+In the folder `page`, `view.html` is the page with its style. `gl.js` provides WebGL functions, `camera.js` the view. `drawing.js`,
+`names.js` and `touch.js` draw with `view.glsl` the data of a source, here `recorded.js`. `unpack.js` unpacks surfaces, `view.js` handles
+input and readouts, `keys.js` the keys, and `keep.js` saves pictures and films.
 """
 
 import base64
@@ -31,24 +31,24 @@ from softffd.show.touch import INK, MARK
 from softffd.show.view_body import Body, largest
 
 PAGE = "softffd.show.page"
-STILL = 80  # quality of the still picture (WebP), which is there where a browser cannot draw
+STILL = 80  # quality of the still picture (WebP), which is shown where a browser cannot draw
 
 
 def write_view(result: Result, path: str | Path) -> Path:
-    """Write the page that plays `result` to `path`; returns the path.
+    """Writes the page that plays `result` to `path`; returns the path.
 
-    A run of more than 600 frames is thinned evenly, keeping the first and the last, and the page says so.
-    Raises SoftffdError when positions of control points were not recorded.
+    A run of more than 600 frames, a limit that is lower for more than 3300 control points, is thinned evenly, keeping the first and the
+    last frame, and the page says so. Raises SoftffdError when positions of control points were not recorded.
     """
     write_text(path, page_text(result))
     return Path(path)
 
 
 def write_views(runs: Mapping[str, Result], path: str | Path, *, together: bool = False) -> Path:
-    """Write the page that plays several runs with one clock, one camera and the same scales to `path`; returns the path.
+    """Writes the page that plays several runs with one clock, one camera and the same scales to `path`; returns the path.
 
-    runs: by the names that they have in the page. Each has a picture of its own; together: all are in one, in the places that they have in
-    the world, as the components of a coupled run. Raises SoftffdError when positions of control points were not recorded.
+    runs: by their names in the page. Each run has a picture of its own; together: all runs are in one picture, at their places in the
+    world, as the components of a coupled run. Raises SoftffdError when positions of control points were not recorded or `runs` is empty.
     """
     if not runs:
         raise SoftffdError("view: wanted one run or more, got none")
@@ -66,12 +66,12 @@ def _stage_of(name: str, result: Result) -> Stage:
 
 
 def page_text(result: Result) -> str:
-    """The page itself, see write_view."""
+    """Returns the HTML of the page, see write_view."""
     return _page([Body("", 0, result, stage_of(result))], result.title)
 
 
 def _in_one_view(bodies: Sequence[Body], *, together: bool) -> list[Body]:
-    """The bodies with stages of one size: each in its own place, or together in one of all."""
+    """Returns the bodies with stages of one size: each about its own centre, or with `together` all in one common box."""
     stages = [each.stage for each in bodies]
     half = np.max([each.half for each in stages], axis=0)
     if not together:
@@ -99,7 +99,7 @@ def _page(bodies: Sequence[Body], title: str) -> str:
 
 
 def about(cells: Cells, ends: tuple[float, float]) -> dict[str, Any]:
-    """What the page says of a colour."""
+    """Returns what the page shows about a colour."""
     return {"name": cells.name, "words": cells.words, "unit": cells.unit, "ends": ends}
 
 
@@ -109,7 +109,7 @@ def _thinned(body: Body) -> str:
 
 
 def subtitle(body: Body) -> str:
-    """What there is of a run: its lattice, and its mesh."""
+    """Returns the description of a run: the size of its lattice, and of its mesh."""
     words, mesh = " × ".join(str(n) for n in body.stage.counts) + " control points", body.result.loaded_mesh
     if mesh is not None:
         words += f" · {mesh.name}: {len(mesh.vertices):,} vertices, {len(mesh.faces):,} triangles"
@@ -117,7 +117,8 @@ def subtitle(body: Body) -> str:
 
 
 def sights(stages: Sequence[Stage], title: str) -> dict[str, Any]:
-    """Where things are, relative to the stages' centres, so that single precision is enough anywhere in the world; colours."""
+    """Returns title, view, sizes and colours for the page. Places in the page are relative to the stages' centres, so that single
+    precision is enough anywhere in the world."""
     first = stages[0]
     ramp = 255 * colormaps["YlGnBu"].resampled(1 << 16)(np.linspace(0.1, 1.0, 64))[:, :3]
     return {
@@ -138,8 +139,8 @@ def sights(stages: Sequence[Stage], title: str) -> dict[str, Any]:
 def page_of(
     run: dict[str, Any], *, source: str, stills: Sequence[Result], policy: str = "", style: str = "", panel: str = "", data: str = ""
 ) -> str:
-    """The page of what `gl.js` calls the run, and of the script that makes its source. stills: of what pictures are there for
-    browsers that cannot draw. What else the source needs: what scripts may do, rules of style, controls, and elements with data."""
+    """Returns the HTML of a page. run: what `gl.js` calls the run. source: the script that makes its source. stills: results whose
+    pictures are shown where a browser cannot draw. Other needs of the source: policy of scripts, style rules, controls, data elements."""
     parts = {"source": source, "policy": policy, "style": style, "panel": panel, "data": data, "stills": "".join(map(_still, stills))}
     return filled(PAGE, "view.html", parts | {"title": html.escape(run["title"]), "run": as_json(run)})
 
@@ -152,5 +153,5 @@ def _still(result: Result) -> str:
 
 
 def as_json(data: Any) -> str:
-    """Data as a page holds them in an element `script`."""
+    """Returns data as JSON for a page's `script` element."""
     return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")

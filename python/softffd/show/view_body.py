@@ -25,7 +25,7 @@ from softffd.show.touch import Touch, touch_of
 from softffd.taxels import TaxelGrid
 
 MOST_FRAMES = 600
-MOST_POINT_BYTES = 24e6  # of the control points of all frames, before they become text: 600 frames of up to 3300 points
+MOST_POINT_BYTES = 24e6  # size of the control points of all frames before encoding as text: 600 frames of up to 3300 points
 MOST_TEXELS = 1024
 SAMPLES = 1000
 ENERGY_MARKS = {"kinetic": "#0072b2", "elastic": "#d55e00"}
@@ -33,7 +33,7 @@ ENERGY_MARKS = {"kinetic": "#0072b2", "elastic": "#d55e00"}
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A run that a page plays. `name`: among others; "" where it is alone. `pane`: the number of the picture that it is in."""
+    """A run that a page plays. `name`: its name among several runs, "" for a single run. `pane`: number of the picture that shows it."""
 
     name: str
     pane: int
@@ -42,7 +42,7 @@ class Body:
 
     @cached_property
     def frames(self) -> np.ndarray:
-        """Which frames the page holds: all, or evenly chosen ones with the first and the last."""
+        """The frames in the page: all, or evenly chosen ones with the first and the last."""
         count, points = len(self.stage.time), int(np.prod(self.stage.counts))
         most = max(2, min(MOST_FRAMES, int(MOST_POINT_BYTES / (12 * points))))
         return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
@@ -57,11 +57,11 @@ class Body:
 
     @property
     def scale(self) -> float:
-        """Of the arrows: an arrow's length by the square root of its force, m / N^0.5."""
+        """Scale of the arrows, proportional to an arrow's length by the square root of its force [m / N^0.5]."""
         return float(np.linalg.norm(self.stage.size)) / np.sqrt(self.touch.largest or np.inf)
 
     def held(self, scales: dict[str, tuple[float, float]], scale: float) -> dict[str, Any]:
-        """All of it. scales: ends of the colours of its cells by name; scale: of the arrows."""
+        """Returns all data of the body. scales: ends of the colour scales of its cells by name; scale: of the arrows [m / N^0.5]."""
         stage, frames = self.stage, self.frames
         return {
             **scenery(stage, frames, self.name, self.pane, atlas_places(self.result, stage) if PRESSED in scales else None),
@@ -73,7 +73,7 @@ class Body:
         }
 
     def _touch(self, scale: float) -> dict[str, Any]:
-        """Places touched (N, 3), as many of them as `counts` has for each frame; beginnings and ways of arrows (T, 3); all in m."""
+        """Returns touched places (N, 3), as many for each frame as `counts` says, and beginnings and vectors of arrows (T, 3); all in m."""
         stage, frames = self.stage, self.frames
         places = [np.concatenate(self.touch.places(frame)) - stage.centre for frame in frames]
         arrows = [
@@ -83,8 +83,8 @@ class Body:
         return {"places": text(np.concatenate(places), "<f4"), "counts": [len(each) for each in places], "arrows": arrows}
 
     def rows(self, most: float) -> list[dict[str, Any]]:
-        """The curves of the readout: sizes of the reactions [N] with their vectors, kinetic and elastic energy [J], and of sensors with
-        taxels the largest pressure [Pa] and the maps of all, whose colours end at `most` [Pa]."""
+        """Returns the curves of the readout: magnitudes of the reactions [N] with their vectors, kinetic and elastic energy [J], and for
+        sensors with taxels the largest pressure [Pa] and the maps of all taxels, whose colours end at `most` [Pa]."""
         marks, frames = {each.name: hex_of(each.tint) for each in self.stage.obstacles}, self.frames
         rows = []
         for part, force in reactions(self.result).items():
@@ -99,7 +99,7 @@ class Body:
 
 
 def scenery(stage: Stage, frames: np.ndarray, name: str = "", pane: int = 0, taxels: AtlasPlaces | None = None) -> dict[str, Any]:
-    """What does not change: name, lattice, the surface at rest, and the obstacles, of these their poses in some frames, too."""
+    """Returns the data that do not change: name, lattice, surface at rest, and obstacles; and the poses of the obstacles in `frames`."""
     return {
         "name": name,
         "pane": pane,
@@ -117,7 +117,7 @@ def scenery(stage: Stage, frames: np.ndarray, name: str = "", pane: int = 0, tax
 
 
 def _image(texture: Picture) -> str:
-    """A texture as a PNG inside the page, at most 1024 pixels wide and high."""
+    """Returns a texture as a PNG inside the page, at most 1024 pixels wide and high."""
     small = texture.convert("RGB")
     small.thumbnail((MOST_TEXELS, MOST_TEXELS))
     stream = BytesIO()
@@ -126,13 +126,13 @@ def _image(texture: Picture) -> str:
 
 
 def _obstacle(track: PlaneTrack | SolidTrack, stage: Stage, frames: np.ndarray) -> dict[str, Any]:
-    """Its name, its colour and its poses (T, 9): a point relative to the stage's centre [m], the unit normal, a unit tangent."""
+    """Returns an obstacle's name, colour and poses (T, 9): a point relative to the stage's centre [m], the unit normal, a unit tangent."""
     poses = np.hstack([track.points - stage.centre, track.normals, track.tangents])[frames]
     return {"name": track.name, "tint": track.tint, "poses": text(poses, "<f4")}
 
 
 def _form(form: Form) -> dict[str, Any]:
-    """Kind and size [m]; vertices (V, 3) [m] along tangent, normal x tangent and normal, their normals (V, 3), and triangles (F, 3)."""
+    """Returns kind and size [m]; vertices (V, 3) [m] along tangent, normal x tangent and normal, normals (V, 3), and triangles (F, 3)."""
     shape = {"kind": form.shape.kind, "size": form.shape.size}
     arrays = {"vertices": text(form.vertices, "<f4"), "normals": text(form.normals, "<f4"), "triangles": text(form.faces, "<u4")}
     return shape | arrays
@@ -144,7 +144,7 @@ def _row(label: str, kind: str, unit: str, mark: str, values: np.ndarray, vector
 
 
 def _map(grid: TaxelGrid, pressure: np.ndarray, most: float) -> dict[str, Any]:
-    """The row of a sensor: the shares of `most` [Pa] in 255 of its taxels (T, m, n), the first side of the grid running fastest."""
+    """Returns a sensor's row: the pressures of its taxels (T, m, n) in 255ths of `most` [Pa], the grid's first side running fastest."""
     shares = (255.0 * (pressure / most).clip(0, 1)).round().transpose(0, 2, 1)
     right, up = ("xyz"[axis] for axis in grid.along)
     wide, high = (end - begin for begin, end in zip(grid.lower, grid.upper, strict=True))
@@ -154,12 +154,12 @@ def _map(grid: TaxelGrid, pressure: np.ndarray, most: float) -> dict[str, Any]:
 
 
 def hex_of(tint: Tint) -> str:
-    """The colour of an obstacle's words and curves."""
+    """Returns the colour of an obstacle's text and curves, in hexadecimal."""
     return "#" + "".join(f"{round(255 * 0.8 * c):02x}" for c in tint)
 
 
 def largest(stage: Stage, frames: np.ndarray) -> dict[str, float]:
-    """Ends of the colour scales, which 1 % of the worst frame's samples exceed: displacement [m], Green strain."""
+    """Returns the ends of the colour scales, which 1 % of the worst frame's samples exceed: displacement [m], Green strain."""
     chosen = np.linspace(0, len(stage.vertices) - 1, min(len(stage.vertices), SAMPLES)).astype(int)
     samples = stage.vertices[chosen]
     few = stage.positions[frames[:: max(1, len(frames) // 100)]]
@@ -173,7 +173,7 @@ def largest(stage: Stage, frames: np.ndarray) -> dict[str, float]:
 
 
 def _cells(cells: Cells, ends: tuple[float, float]) -> str:
-    """Shares of the scale in 255 and whether a cell is inverted (T, cells, 2), x running fastest."""
+    """Returns the values in 255ths of the scale, and whether a cell is inverted (T, cells, 2), x running fastest."""
     low, high = ends
     known = np.isfinite(cells.values)
     shares = np.where(known, (np.where(known, cells.values, low) - low) / (high - low), 0.0)
@@ -182,6 +182,6 @@ def _cells(cells: Cells, ends: tuple[float, float]) -> str:
 
 
 def text(values: ArrayLike, kind: str) -> str:
-    """An array as a page holds it, whose numbers may be too large for it: infinite there."""
+    """Returns an array as base64 text for a page; numbers too large for its type become infinite."""
     with np.errstate(over="ignore"):
         return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")

@@ -1,1 +1,1 @@
-"""Published cases: what textbooks and papers say, and what comes out, of springs and of solids."""
+"""Published cases: results of springs and of solids against values from textbooks and papers."""

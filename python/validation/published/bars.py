@@ -1,4 +1,4 @@
-"""Bars along their axis: hanging from one end, and striking a wall."""
+"""Bars loaded along their axis: bars that hang from one end, and a bar that strikes a wall."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from validation.published.runs import WALL, Course, Size, drag, scene_of
 
 
 def _hanging(body: Body, size: Size, modulus: float, density: float, gravity: float) -> tuple[float, float, tuple[int, float]]:
-    """At rest: elongation [m], force on the wall by its area [Pa]; steps and time [s]."""
+    """Returns elongation [m] and force on the wall per area [Pa] of a hanging bar at rest, and the steps and time [s] spent."""
     period = 4 * size[0] * math.sqrt(density / modulus)
     scene = scene_of(
         body, size, modulus, density, material=drag(body, size, density, 8 / period), pin=[WALL],
@@ -58,7 +58,7 @@ def striking_bar(body: Body) -> Iterator[Row]:
     force = np.array(forces)
     last = int(np.flatnonzero(force > 0.05 * force.max())[-1])
     step = contact / looks
-    free = looks // 4  # looks after the contact
+    free = looks // 4  # number of samples after the contact
     rebound = (places[-1] - places[-1 - free]) / (step * free)
     yield Row(body, "contact time [s]", contact, step * (last + 1), *spent)
     yield Row(body, "force [N]", density * wave * side**2 * speed, float(force[looks // 10 : -looks // 10 - looks // 2].mean()), *spent)

@@ -13,15 +13,15 @@ from validation.published.runs import WALL, Course, Size, drag, scene_of, slowes
 from validation.published.vibration import frequency
 
 MODULUS, DENSITY, HEIGHT = 1e6, 1000.0, 0.01
-"""Pa, kg/m3, m, of the elasticas, whose numbers have no dimension"""
+"""Pa, kg/m3 and m, of the elasticas, whose results are dimensionless"""
 END_LOAD = {1: (0.30172, 0.05643), 2: (0.49346, 0.16064), 10: (0.81061, 0.55500)}
-"""P L2 / (E I): deflection and shortening by the length"""
+"""P L2 / (E I): deflection and shortening, each divided by the length"""
 OWN_WEIGHT = {1: (0.12347, 0.00875), 4: (0.42516, 0.10989), 10: (0.70020, 0.34365)}
-"""q L3 / (E I): the same"""
+"""q L3 / (E I): deflection and shortening, each divided by the length"""
 
 
 def _beam(body: Body) -> Size:
-    """As long as its cells are cubes, if it is of springs; else 20 times its height."""
+    """Returns the size of the beam. A solid of fewer than 31 points is 20 times as long as high; the cells of other beams are cubes."""
     slenderness = 20.0 if body.model == "solid" and body.points[0] < 31 else (body.points[0] - 1) / (body.points[1] - 1)
     return slenderness * HEIGHT, HEIGHT, HEIGHT
 
@@ -58,14 +58,14 @@ def own_weight(body: Body) -> Iterator[Row]:
 
 
 TURNS = {"a quarter turn": math.pi / 2, "half a turn": math.pi, "a whole turn": 2 * math.pi}
-"""M L / (E I)"""
+"""M L / (E I) by the name of the bend"""
 FOLLOWS = 100
-"""How often the couple is turned while the phase of the slowest bending moves on by 1; at 20 it feeds vibrations of the end"""
+"""Updates of the couple's direction per radian of phase of the slowest bending mode; with 20 the couple excites vibrations of the end"""
 
 
 def roll_up(body: Body) -> Iterator[Row]:
-    """Forces on two edges of the end, across the line between them, turn with it. Walls beside the beam hold it in its plane, which it
-    would leave before a whole turn: that couple does not turn out of the plane."""
+    """Bends a beam by a couple: forces on two edges of the end, normal to the line between the edges, turn with that line. The couple does
+    not turn out of the plane, so the beam would leave the plane before a whole turn. Walls beside the beam prevent that."""
     size = (2.5 * HEIGHT * (body.points[0] - 1) / (body.points[2] - 1), HEIGHT, HEIGHT)
     slowest, stiffness = slowest_bending(size, MODULUS, DENSITY), MODULUS * HEIGHT**4 / 12 / size[0]
     last, high = body.points[0] - 1, body.points[2] - 1
@@ -98,7 +98,7 @@ def roll_up(body: Body) -> Iterator[Row]:
             course.rest(partial(settle, angle), 1 / slowest / FOLLOWS)
             moved = (course.end() - start) / size[0]
             spent = course.steps - steps, course.seconds - seconds
-            if name != "a whole turn":  # of no deflection
+            if name != "a whole turn":  # has no deflection
                 yield Row(body, f"deflection / L at {name}", (1 - math.cos(angle)) / angle, float(moved[2]), *spent)
             yield Row(body, f"shortening / L at {name}", 1 - math.sin(angle) / angle, float(-moved[0]), *spent)
             before, steps, seconds = angle, course.steps, course.seconds
@@ -108,7 +108,8 @@ STRIP: Size = (0.35, 0.02, 0.02)
 
 
 def strip(body: Body) -> Iterator[Row]:
-    """Let fall in its own weight; middle and amplitude of the free end's way by its extremes, as the source has them."""
+    """Releases a strip under its own weight. Middle and amplitude of the displacement of the free end follow from its extremes, as in the
+    source."""
     plane_strain = 1.4e6 / (1 - 0.4**2)
     scene = scene_of(
         body, STRIP, plane_strain, 1000.0, pin=[WALL], environment={"gravity": [0.0, 0.0, -2.0]}, solver={"method": "leapfrog"},

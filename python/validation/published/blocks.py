@@ -1,4 +1,4 @@
-"""Blocks between plates that they are bonded to, under small strain."""
+"""Blocks that are bonded to two plates, under small strain."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from validation.published.cases import Body, Row
 from validation.published.runs import WALL, Course, Size, drag, scene_of
 
 SMALL = 1e-6
-"""Strain"""
+"""Strain of a block"""
 CUBE = {0.25: 1.04262, 0.45: 1.1729, 0.49: 1.2201}
-"""Of hp-refined finite elements: apparent modulus by Young's modulus, by Poisson's ratio"""
+"""Apparent modulus divided by Young's modulus, from hp-refined finite elements, for each Poisson's ratio"""
 
 
 def apparent_modulus(body: Body, height: float) -> tuple[float, tuple[int, float]]:
-    """Of a block of sides 1 between plates, by its Young's modulus; steps and time [s]."""
+    """Returns the apparent modulus of a block of sides 1 between plates, divided by Young's modulus, and the steps and time [s] spent."""
     size: Size = (height, 1.0, 1.0)
-    slowest = 1.5 / height  # rad/s, about, of shear; modulus and density are 1
+    slowest = 1.5 / height  # rad/s, approximate shear frequency for modulus 1 and density 1
     plate = {"name": "plate", "points": "x+", "motion": "input", "inputs": ["position.x", "velocity.x"]}
     scene = scene_of(
         body, size, 1.0, 1.0, material=drag(body, size, 1.0, slowest), pin=[WALL, plate], solver={"method": "leapfrog", "tolerance": 1e-9}
@@ -34,8 +34,8 @@ def bonded_cube(body: Body) -> Iterator[Row]:
 
 
 def bonded_block(body: Body) -> Iterator[Row]:
-    """As flat as its cells are cubes. Gent and Lindley: 1 + 2 S2 where the volume cannot change; in flat blocks it does, as if a spring of
-    the bulk modulus stood in a row with that."""
+    """Compresses a block whose height makes its cells cubes. Gent and Lindley give 1 + 2 S2 for constant volume. The volume of a flat block
+    changes, as if a spring of the bulk modulus were in series."""
     height = (body.points[0] - 1) / (body.points[1] - 1)
     shape = 1 / (4 * height)
     reference = 1 + 2 * shape**2

@@ -1,4 +1,4 @@
-"""What a published case is: its source, its parameters, and the numbers that it is compared by."""
+"""Data classes of a published case: its source, its parameters, and the numbers that are compared."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Body:
-    """A bar, beam or block: "springs" of a modulus or a "solid", its points along each axis, Poisson's ratio (of springs 1/4)."""
+    """A bar, beam or block: model "springs" (of a modulus) or "solid", points along each axis, and Poisson's ratio (1/4 for springs)."""
 
     model: str
     points: tuple[int, int, int]
@@ -21,8 +21,8 @@ class Body:
 
 @dataclass(frozen=True)
 class Row:
-    """One number of a case: what it is with its unit, the reference, what came out, of which body, by how many internal steps in what
-    time [s], the set-up left out."""
+    """One number of a case: the body, the quantity with its unit, the reference value, the value found, the number of internal steps, and
+    the run time without set-up [s]."""
 
     body: Body
     quantity: str
@@ -33,13 +33,13 @@ class Row:
 
     @property
     def error(self) -> float:
-        """Relative to the reference [1]"""
+        """Error relative to the reference [1]"""
         return self.found / self.reference - 1
 
 
 @dataclass(frozen=True)
 class Case:
-    """A case by its title: where it is from, its parameters, how certain the reference is, and what runs it."""
+    """A case: its title, its source, its parameters, the uncertainty of the reference, the function that runs it, and its bodies."""
 
     title: str
     source: str

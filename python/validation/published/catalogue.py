@@ -163,4 +163,4 @@ CASES = (
         (solid(0.49, 7, 7, 7), solid(0.49, 7, 13, 13), solid(0.49, 7, 25, 25), solid(0.49, 4, 25, 25)),
     ),
 )
-"""In the order of the page"""
+"""The published cases, in the order of the page"""

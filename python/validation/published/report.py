@@ -1,4 +1,4 @@
-"""The table of published cases: run anew, kept as a CSV and as a page of the documents."""
+"""Runs the published cases and writes their table as a CSV file and as a page of the documents."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ An error is relative to the reference, a time that of the run without its set-up
 
 
 def report_published(folder: Path, only: Sequence[str] = (), note: Note = silent) -> list[Row]:
-    """Runs the cases whose titles have one of the words of `only`, all by default, and writes benchmarks.md and benchmarks.csv to a folder.
+    """Runs the cases whose titles contain one of the words of `only` (all by default). Writes benchmarks.md and benchmarks.csv to a folder.
 
-    Raises SoftffdError where a word fits no title.
+    Returns all rows. Raises SoftffdError if a word fits no title.
     """
     chosen = [case for case in CASES if not only or any(word.lower() in case.title.lower() for word in only)]
     for word in only:
@@ -54,7 +54,7 @@ def report_published(folder: Path, only: Sequence[str] = (), note: Note = silent
 
 
 def table(found: Sequence[tuple[Case, Sequence[Row]]]) -> str:
-    """The CSV."""
+    """Returns the text of the CSV file."""
     return csv_text(COLUMNS, (_cells(case, row) for case, rows in found for row in rows))
 
 
@@ -66,7 +66,7 @@ def _cells(case: Case, row: Row) -> dict[str, object]:
 
 
 def page(found: Sequence[tuple[Case, Sequence[Row]]]) -> str:
-    """The page: one table, and a paragraph for each case."""
+    """Returns the text of the page: one table, and a paragraph for each case."""
     lines = ["| case | body | quantity | reference | found | error | steps | time |", "|---|---|---|---|---|---|---|---|"]
     for case, rows in found:
         name = f"[{case.title}](#{_anchor(case.title)})"
@@ -87,7 +87,7 @@ def _percent(error: float) -> str:
 
 
 def paragraph(case: Case) -> str:
-    """What the case is, where it is from, how certain its reference is."""
+    """Returns a paragraph on the parameters of a case, the uncertainty of its reference, and its source."""
     return f"{case.parameters} {case.certainty} Source: {case.source}."
 
 
@@ -96,7 +96,7 @@ def _anchor(title: str) -> str:
 
 
 def _filled(text: str, width: int = 140) -> str:
-    """In lines of this width, a link or a formula in one piece."""
+    """Returns the text in lines shorter than `width`, broken at spaces only, so that a link stays in one piece."""
     lines = [""]
     for word in text.split():
         if lines[-1] and len(lines[-1]) + len(word) >= width:

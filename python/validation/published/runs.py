@@ -1,4 +1,4 @@
-"""Runs of bars, beams and blocks: scenes of springs and of solids from the same numbers, brought to rest where a case wants that."""
+"""Runs of bars, beams and blocks. Builds scenes of springs and of solids from the same numbers, and brings a body to rest on demand."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from validation.published.cases import Body
 Size = tuple[float, float, float]
 WALL = {"name": "wall", "points": "x-"}
 AT_REST = 1e-6
-"""Change of what is read, relative to it, between two looks at a body that is at rest"""
+"""Largest relative change of the quantity read, between two readings, of a body that counts as at rest"""
 
 
 def scene_of(body: Body, size: Size, modulus: float, density: float, **sections: Any) -> Scene:
-    """A box of this size [m], modulus [Pa] and density [kg/m3]; sections as in a scene file, to which those of the body are added."""
+    """Returns a scene of a box with this size [m], modulus [Pa] and density [kg/m3]. sections: further sections, as in a scene file."""
     material = {"model": body.model, "youngs_modulus": modulus} | sections.pop("material", {})
     if body.model == "solid":
         material |= {"poissons_ratio": body.ratio}
@@ -36,18 +36,18 @@ def scene_of(body: Body, size: Size, modulus: float, density: float, **sections:
 
 
 def drag(body: Body, size: Size, density: float, rate: float) -> dict[str, float]:
-    """The key of a material that brakes a body by about `rate` [1/s]."""
+    """Returns the material key "damping" [N s/m], with which nodal viscous drag slows a body at about `rate` [1/s]."""
     return {"damping": rate * density * math.prod(size) / math.prod(body.points)}
 
 
 def slowest_bending(size: Size, modulus: float, density: float) -> float:
-    """Of a beam along x, clamped at one end, bent along z, by Euler and Bernoulli [rad/s]."""
+    """Returns the lowest Euler-Bernoulli frequency [rad/s] of a beam along x, clamped at one end and bent along z."""
     length, _, height = size
     return 1.87510406871**2 / length**2 * height * math.sqrt(modulus / density / 12)
 
 
 class Course:
-    """A simulation with what it has taken so far: steps, and the time of the calls [s]."""
+    """A simulation that counts its internal steps and the time of the step calls [s]."""
 
     def __init__(self, scene: Scene, start_values: dict[str, float] | None = None):
         self.sim = Simulation(scene, start_values=start_values)
@@ -65,13 +65,14 @@ class Course:
         return int(self.sim.number("solver.steps"))
 
     def step(self, length: float) -> None:
-        """[s]"""
+        """Makes a communication step of this length [s]."""
         begin = clock.perf_counter()
         self.sim.step(length)
         self.seconds += clock.perf_counter() - begin
 
     def rest(self, read: Callable[[], float], length: float, most: int = 400) -> float:
-        """Steps of this length [s] until two that follow each other read the same. SoftffdError after `most` of them."""
+        """Makes steps of this length [s] until a reading equals the two before it within AT_REST, and returns it. Raises SoftffdError after
+        `most` steps."""
         before = [math.inf, math.inf]
         for _ in range(most):
             self.step(length)
@@ -82,13 +83,13 @@ class Course:
         raise SoftffdError(f"not at rest after {most} steps of {length:g} s: {before[0]:g}, {before[1]:g}")
 
     def end(self) -> np.ndarray:
-        """The mean place of the face at the far end along x (3,) [m]."""
+        """Returns the mean position (3,) [m] of the face at the far end along x."""
         _, across, along = self._shares()
         mean: np.ndarray = np.einsum("j,k,jkc->c", across, along, self.sim.positions[-1])
         return mean
 
     def centre(self) -> np.ndarray:
-        """Of the volume (3,) [m]"""
+        """Returns the centre of the volume (3,) [m]."""
         mean: np.ndarray = np.einsum("i,j,k,ijkc->c", *self._shares(), self.sim.positions)
         return mean
 
@@ -97,8 +98,8 @@ class Course:
 
 
 def shares(n: int, of_solid: bool) -> np.ndarray:
-    """What each of n control points of an edge counts in its mean: as points of mass, those at the ends half as much as the others; of a
-    solid, whose patches are Bezier curves of four points end to end, all of a patch alike."""
+    """Returns the weights (n,) of the n control points of an edge in the mean over the edge. Without a solid, the end points have half the
+    weight of the others, like point masses. An edge of a solid consists of Bezier curves of four points each, with equal weights."""
     points = 4 if of_solid else 2
     patches = (n - 1) // (points - 1)
     found: np.ndarray = np.zeros(n)

@@ -1,4 +1,4 @@
-"""A rigid sphere and a block: Hertz's contact, pressed at rest and hit by it as a mass."""
+"""Hertz's contact of a rigid sphere and a block: the sphere is pressed into the block at rest, or hits the block as a mass."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from validation.published.runs import Course, Size, drag, scene_of
 from validation.shapes import cube, write
 
 RADIUS, MODULUS = 0.02, 1e6
-"""m, Pa"""
+"""Radius of the sphere [m], Young's modulus of the block [Pa]"""
 SIDE = 0.04
-"""Of the block, a cube that is held below [m]"""
+"""Side of the block [m], a cube that is held at its base"""
 GIVES = -0.1088
-"""How much more than a half-space the block gives way, far from the contact: its displacement times Young's modulus times its side by the
-force; for Poisson's ratio 1/4"""
+"""Additional compliance of the block, relative to a half-space, far from the contact: displacement times Young's modulus times side,
+divided by the force; for Poisson's ratio 1/4"""
 MASS, SPEED, LIGHT = 0.03686, 1.0, 10.0
-"""Of a sphere that hits [kg], [m/s], and the density of the block [kg/m3], which follows without waves"""
+"""Mass [kg] and speed [m/s] of the sphere that hits, and density [kg/m3] of the block, which is light enough to follow without waves"""
 LOOKS = 400
-"""In the time of an impact"""
+"""Samples in the contact time of an impact"""
 DEPTHS = (0.025, 0.05, 0.1)
-"""By the radius"""
+"""Depths divided by the radius"""
 
 
 def hertz(ratio: float, depth: float) -> float:
-    """Force [N] at a depth [m] in a half-space."""
+    """Returns the force [N] on a sphere at a depth [m] in a half-space."""
     return 4 / 3 * MODULUS / (1 - ratio**2) * math.sqrt(RADIUS) * depth**1.5
 
 
 def pressed_sphere(body: Body) -> Iterator[Row]:
-    """The sphere goes as deep as in a half-space, and by what the block gives way."""
+    """Presses the sphere to its depth in a half-space plus the additional displacement of the block, and reads the force at rest."""
     density = 1000.0
     slowest = _slowest(density)
     with TemporaryDirectory() as folder, Course(_scene(body, density, folder)) as course:
@@ -52,7 +52,7 @@ def pressed_sphere(body: Body) -> Iterator[Row]:
 
 
 def hitting_sphere(body: Body) -> Iterator[Row]:
-    """The sphere is a mass of the host, which takes the block's reaction on it after each communication step."""
+    """Lets the sphere hit the block. The host moves the sphere as a mass, with the block's reaction after each communication step."""
     period, force = impact(body.ratio)
     with TemporaryDirectory() as folder, Course(_scene(body, LIGHT, folder)) as course:
         step, place, speed, forces = period / LOOKS, SIDE + RADIUS, -SPEED, [0.0]
@@ -69,7 +69,7 @@ def hitting_sphere(body: Body) -> Iterator[Row]:
 
 
 def impact(ratio: float, points: int = 400) -> tuple[float, float]:
-    """Contact time [s] and largest force [N] of Hertz's impact on the block, which takes its part of the energy."""
+    """Returns contact time [s] and largest force [N] of Hertz's impact, with the energy of the block's additional compliance included."""
     stiffness, gives = hertz(ratio, 1.0), GIVES / (MODULUS * SIDE)
 
     def energy(depth: float) -> float:
@@ -80,7 +80,7 @@ def impact(ratio: float, points: int = 400) -> tuple[float, float]:
         middle = (low + high) / 2
         low, high = (middle, high) if energy(middle) < MASS * SPEED**2 / 2 else (low, middle)
     period = 0.0
-    for angle in math.pi / 2 * (np.arange(points) + 0.5) / points:  # depth = deepest sin2(angle), so that what is summed is smooth
+    for angle in math.pi / 2 * (np.arange(points) + 0.5) / points:  # depth = deepest sin2(angle) makes the integrand smooth
         depth = low * math.sin(angle) ** 2
         way = low * 2 * math.sin(angle) * math.cos(angle) * (1 + gives * stiffness * 1.5 * math.sqrt(depth))
         period += 2 * way / math.sqrt(SPEED**2 - 2 * energy(depth) / MASS) * math.pi / 2 / points
@@ -88,12 +88,12 @@ def impact(ratio: float, points: int = 400) -> tuple[float, float]:
 
 
 def _slowest(density: float) -> float:
-    """Of the block's vibrations, about [rad/s]"""
+    """Returns the approximate lowest frequency of the block [rad/s]."""
     return 1.5 / SIDE * math.sqrt(MODULUS / 2.5 / density)
 
 
 def _scene(body: Body, density: float, folder: str) -> Scene:
-    """The sphere touches the top of the block, whose surface has a vertex every 0.75 mm under it."""
+    """Returns the scene in which the sphere touches the top of the block. Under the sphere the surface has a vertex every 0.75 mm."""
     size: Size = (SIDE, SIDE, SIDE)
     vertices, faces = cube(25, 0.0)
     middle = SIDE / 2

@@ -1,4 +1,4 @@
-"""Frequencies of beams and strips clamped at one end, and a reference: Timoshenko's beam."""
+"""Frequencies of beams and strips clamped at one end, with Timoshenko's beam as a reference."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from validation.published.cases import Body, Row
 from validation.published.runs import WALL, Course, Size, drag, scene_of, shares, slowest_bending
 
 CLAMPED = {"first": 1.87510406871, "second": 4.69409113297, "third": 7.85475743824}
-"""Wave number of a mode of a clamped beam, by Euler and Bernoulli, times its length"""
+"""Wave number times length of the modes of a clamped Euler-Bernoulli beam"""
 SILICONE: Size = (0.2, 0.02, 0.02)
-"""m; 1 MPa and 1100 kg/m3"""
+"""Size of the silicone beam [m], which has 1 MPa and 1100 kg/m3"""
 AMPLITUDE = 1e-3
-"""Of the free end, by the length"""
+"""Amplitude of the free end divided by the length"""
 PERIODS, LOOKS = 10, 50
-"""How long a mode is read, and how often in a period"""
+"""Number of periods over which a mode is sampled, and samples per period"""
 
 
 def clamped_beam(body: Body) -> Iterator[Row]:
@@ -29,7 +29,7 @@ def clamped_beam(body: Body) -> Iterator[Row]:
 
 
 def wide_strip(body: Body) -> Iterator[Row]:
-    """As wide as cells of equal sides make it."""
+    """Computes the period of a strip whose width gives its cells equal sides in length and width."""
     modulus, density, length = 2e6, 1000.0, 0.2
     size = (length, length * (body.points[1] - 1) / (body.points[0] - 1), 0.02)
     found, spent = mode_frequency(body, size, modulus, density, "first")
@@ -38,9 +38,9 @@ def wide_strip(body: Body) -> Iterator[Row]:
 
 
 def mode_frequency(body: Body, size: Size, modulus: float, density: float, name: str) -> tuple[float, tuple[int, float]]:
-    """Of a mode [Hz], let go from rest under forces that have its shape; steps and time [s]."""
+    """Returns the frequency [Hz] of a mode and the steps and time [s] spent. The beam is released from rest under forces of that shape."""
     wave, slowest = CLAMPED[name], slowest_bending(size, modulus, density)
-    turning = slowest * (wave / CLAMPED["first"]) ** 2  # rad/s, about
+    turning = slowest * (wave / CLAMPED["first"]) ** 2  # rad/s, approximate frequency of the mode
     scene = scene_of(
         body, size, modulus, density, material=drag(body, size, density, 2 * slowest), pin=[WALL], inputs={"forces": "all"},
         solver={"method": "leapfrog", "tolerance": 1e-6},
@@ -66,21 +66,21 @@ def mode_frequency(body: Body, size: Size, modulus: float, density: float, name:
 
 
 def mode_shape(wave: float, x: np.ndarray) -> np.ndarray:
-    """Of a clamped beam by Euler and Bernoulli, at places from 0 to 1, where it is 2 or -2."""
+    """Returns the mode shape of a clamped Euler-Bernoulli beam at places x from 0 to 1. The shape is 2 or -2 at 1."""
     ratio = (math.cosh(wave) + math.cos(wave)) / (math.sinh(wave) + math.sin(wave))
     found: np.ndarray = np.cosh(wave * x) - np.cos(wave * x) - ratio * (np.sinh(wave * x) - np.sin(wave * x))
     return found
 
 
 def frequency(values: np.ndarray, step: float) -> float:
-    """Of a vibration that is read every `step` [s], by its first and last pass through zero [Hz]."""
+    """Returns the frequency [Hz] of a vibration sampled every `step` [s], from its first and last zero crossing."""
     before = np.flatnonzero(values[:-1] * values[1:] < 0)
     times = step * (before + values[before] / (values[before] - values[before + 1]))
     return float((len(times) - 1) / 2 / (times[-1] - times[0]))
 
 
 def fine_frequency(values: np.ndarray, step: float) -> float:
-    """The same by the phase between two halves, in windows that leave out other modes' small shares [Hz]."""
+    """Returns the frequency [Hz] refined by the phase between two halves of the values. Windows suppress small parts of other modes."""
     coarse, half = frequency(values, step), len(values) // 2
     window = np.hanning(half) * np.exp(-2j * math.pi * coarse * step * np.arange(half))
     phases = np.angle([window @ values[:half], window @ values[half : 2 * half]])
@@ -89,8 +89,9 @@ def fine_frequency(values: np.ndarray, step: float) -> float:
 
 
 def timoshenko(size: Size, modulus: float, density: float, ratio: float, terms: int = 14) -> np.ndarray:
-    """Frequencies [Hz] of a beam along x, clamped at one end, bent along z, lowest first: by polynomials of this many terms for deflection
-    and turning, which gives the lowest three to 8 digits. The shear factor is Cowper's, 10 (1 + nu) / (12 + 11 nu)."""
+    """Returns the frequencies [Hz], lowest first, of a Timoshenko beam along x, clamped at one end and bent along z. Deflection and
+    rotation are polynomials of `terms` terms, which gives the lowest three frequencies to 8 digits. The shear factor is Cowper's,
+    10 (1 + nu) / (12 + 11 nu)."""
     length, width, height = size
     area, inertia = width * height, width * height**3 / 12
     shear = modulus / 2 / (1 + ratio) * area * 10 * (1 + ratio) / (12 + 11 * ratio)

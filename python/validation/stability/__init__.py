@@ -1,1 +1,1 @@
-"""Stiff and extreme scenes."""
+"""Stability survey: runs of stiff and extreme scenes."""

@@ -1,4 +1,4 @@
-"""Answers by numpy alone: how far a soft box sags, and what a body does that falls onto a plane, is thrown off again and flies on."""
+"""Reference answers by numpy alone: the sag of a soft box, and the flight of a body that has fallen onto a plane and rebounded."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from validation.twin.methods import Leapfrog, Motion
 
 
 def static_sag(drive: Drive, *, held: bool = False) -> float:
-    """Static sag of the centre for a gravity of 1 m/s2 and a stiffness of 1 N/m, of a box whose springs are all alike [m].
+    """Returns the static sag of the centre [m] of a box with equal springs, for a gravity of 1 m/s2 and a stiffness of 1 N/m.
 
-    held: the lower face cannot widen; it is free to otherwise.
+    held: the lower face cannot widen; otherwise it can.
     """
     a, b = drive.body.pairs.T
     along = drive.rest[b] - drive.rest[a]
@@ -36,15 +36,15 @@ def static_sag(drive: Drive, *, held: bool = False) -> float:
     return float(-drive.mass @ moved.reshape(-1, 3)[:, 2] / drive.mass.sum())
 
 
-SHARE = 1 / 8  # of the stable step: the place after a rebound is then right to some 1e-5 of the box
+SHARE = 1 / 8  # step by the stable step; the position after a rebound is then accurate to about 1e-5 of the box
 LOOK, QUIET = 24.0, 240.0
-"""In stable steps: a stretch between two looks, and the time without a touch after which there will be none; some five of the lowest
-vibrations of 4 x 4 x 4 points."""
+"""Time between two checks for contact, and time without contact after which no further contact follows, both in stable steps. The latter
+is about five periods of the lowest vibration of 4 x 4 x 4 points."""
 
 
 @dataclass(frozen=True, eq=False)
 class Flight:
-    """The body in free flight after an impact, at a time; vectors (3,)."""
+    """State of the body in free flight after an impact. Vectors are (3,)."""
 
     centre: np.ndarray  # m
     velocity: np.ndarray  # of the centre [m/s]
@@ -54,7 +54,9 @@ class Flight:
 
 
 def after_impact(document: Mapping[str, Any], duration: float, *, share: float = SHARE) -> Flight:
-    """Of a scene with one fixed plane, gravity, no damping and no spin, at a time [s] before it falls onto the plane again."""
+    """Returns the flight of a body at the time `duration` [s], which must be before its next fall onto the plane.
+
+    The scene has one fixed plane, gravity, no damping and no spin. share: step by the stable step."""
     scene = scene_from(document)
     content, (plane,) = resolved(scene), scene.plane
     body, gravity = Body.of(content), np.array(scene.environment.gravity)
@@ -79,5 +81,5 @@ def after_impact(document: Mapping[str, Any], duration: float, *, share: float =
 
 
 def _touch(gap: float, speed: float, pull: float) -> float:
-    """When a gap [m] closes that grows with a speed [m/s], under a pull < 0 [m/s2]."""
+    """Returns the time [s] at which a gap [m] closes. The gap grows with a speed [m/s] under a pull < 0 [m/s2]."""
     return (speed + math.sqrt(speed**2 - 2 * pull * gap)) / -pull

@@ -1,4 +1,4 @@
-"""Cases: stiff bodies in contact, obstacles that move, corners and wedges."""
+"""Cases of stiff bodies in contact, moving obstacles, corners and wedges."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _timed(findings: Findings, drive: Drive, duration: float, step: float, each:
 
 
 def _rest(stiffness: float, step: float, duration: float, findings: Findings) -> None:
-    """Slightly damped, starts without stress: the mean reaction of the last third is the weight."""
+    """A slightly damped body starts without stress; the mean reaction of the last third of the run is the weight."""
     with Drive(box(stiffness, 0.02, plane=[plane(friction=0.4)], environment=DOWN)) as drive:
         force, sound = [], held(findings, drive, scale=GRAVITY)
 
@@ -49,7 +49,7 @@ def _drop(stiffness: float, step: float, findings: Findings) -> None:
 
 
 def _tumble(stiffness: float, step: float, findings: Findings) -> None:
-    """The world is tilted instead of the box: it lands on a corner."""
+    """A box lands on a corner. The plane and gravity are tilted instead of the box."""
     normal = np.array([math.sin(0.5), math.sin(0.3), 1.0])
     normal /= np.linalg.norm(normal)
     initial = {"velocity": [1.0, 0.0, 0.0], "angular_velocity": [0.0, 2.0, 0.0]}
@@ -69,7 +69,7 @@ def _tumble(stiffness: float, step: float, findings: Findings) -> None:
 
 
 def _squeeze(stiffness: float, step: float, findings: Findings) -> None:
-    """Frictionless: in the end the lid carries what numpy's springs say, and the springs balance wherever nothing holds a point."""
+    """Without friction, the lid finally carries the force of numpy's springs, and spring forces balance at every unconstrained point."""
     lid = plane("lid", point=(0, 0, 1), normal=(0, 0, -1), motion="input")
     with Drive(box(stiffness, 0.02, plane=[plane(), lid])) as drive:
 
@@ -96,9 +96,9 @@ def _incline(stiffness: float, step: float, degrees: float, findings: Findings) 
 
 
 def _dragged(method: str, share: float, findings: Findings) -> None:
-    """share: internal step in units of the component's own stability bound, taken from an undamped body at rest; 0: its own choice.
+    """share: internal step divided by the component's stability bound for an undamped body at rest; 0: the component chooses the step.
 
-    Friction feeds vibrations from given steps near the bound; the component has to warn of it, and the answer then counts as bounded.
+    Friction excites vibrations with given steps near the bound. The component has to warn, and the answer then counts as bounded.
     """
     ground = plane(friction=0.4, motion="input")
     with Drive(box(1e6, points=(2, 2, 2), plane=[ground], environment=DOWN, method=method)) as drive:
@@ -115,7 +115,7 @@ def _dragged(method: str, share: float, findings: Findings) -> None:
 
 
 def _landing(method: str, step: float, findings: Findings) -> None:
-    """step: given, longer than leapfrog's limit, 1.9e-4 s; leapfrog takes over at the ground."""
+    """step: given internal step [s], longer than the limit of leapfrog, 1.9e-4 s. Leapfrog takes over at the ground."""
     height = 0.05
     ground = plane(point=(0.0, 0.0, -height))
     with Drive(box(1e5, 0.1, plane=[ground], environment=DOWN, method=method), {"solver.step": step}) as drive:
@@ -123,7 +123,7 @@ def _landing(method: str, step: float, findings: Findings) -> None:
 
 
 def _hang(stiffness: float, step: float, findings: Findings) -> None:
-    """Hung up by its upper face, without contact."""
+    """The body hangs from its upper face, without contact."""
     with Drive(box(stiffness, 0.02, pin=[{"name": "hook", "points": "z+"}], environment=DOWN)) as drive:
         force, sound = [], held(findings, drive, [], scale=GRAVITY)
 
@@ -137,7 +137,7 @@ def _hang(stiffness: float, step: float, findings: Findings) -> None:
 
 
 def _hit(findings: Findings) -> None:
-    """A plane at 1e3 m/s from 1 m below: within a step it would be through."""
+    """A plane comes from 1 m below at 1e3 m/s, which would take it through the body within a step."""
     with Drive(box(1e5, plane=[plane(point=(0, 0, -1), motion="input")])) as drive:
         for n in range(5):
             drive.set(plane__ground__point=(0, 0, -1 + n), plane__ground__velocity=(0, 0, 1e3))
@@ -147,7 +147,7 @@ def _hit(findings: Findings) -> None:
 
 
 def _jump(findings: Findings) -> None:
-    """The plane is suddenly in the middle of the body: points are moved, and only springs then give them speed."""
+    """The plane jumps into the middle of the body. Points are moved, and only the springs then accelerate the points."""
     with Drive(box(1e3, plane=[plane(point=(0, 0, -1), motion="input")])) as drive:
         drive.step(1e-3)
         drive.set(plane__ground__point=(0, 0, 0.5))
@@ -159,7 +159,7 @@ def _jump(findings: Findings) -> None:
 
 
 def _turn(findings: Findings) -> None:
-    """The normal is reversed from one step to the next: all of the body is behind, and is laid onto the plane."""
+    """The normal is reversed from one step to the next. The whole body is then behind the plane and is moved onto the plane."""
     with Drive(box(1e3, 0.1, plane=[plane(point=(0, 0, -0.1), motion="input", inputs=["normal"])])) as drive:
         drive.step(1e-2)
         drive.set(plane__ground__normal=(0, 0, -1))
@@ -167,7 +167,7 @@ def _turn(findings: Findings) -> None:
 
 
 def _turning(findings: Findings) -> None:
-    """The plane turns half round below the body at pi rad per step of 0.1 s."""
+    """The plane makes half a turn below the body, at pi rad per step of 0.1 s."""
     with Drive(box(1e3, 0.1, plane=[plane(point=(0.5, 0.5, -0.5), motion="input", inputs=["angular_velocity"])])) as drive:
         drive.set(plane__ground__angular_velocity=(0, 10 * math.pi, 0))
         drive.step(0.1)
@@ -175,7 +175,7 @@ def _turning(findings: Findings) -> None:
 
 
 def _shake(findings: Findings) -> None:
-    """1 mm at 1 kHz, told at 10 ms steps: always the same place, and 6.3 m/s."""
+    """A plane vibrates by 1 mm at 1 kHz, with inputs every 10 ms: always the same position, and a speed of 6.3 m/s."""
     with Drive(box(1e4, 0.05, plane=[plane(motion="input")], environment=DOWN)) as drive:
         for n in range(100):
             speed = 2 * math.pi * (1 if n % 2 else -1)
@@ -186,7 +186,7 @@ def _shake(findings: Findings) -> None:
 
 
 def _corner(stiffness: float, findings: Findings) -> None:
-    """Falls into a corner of three planes; in the end they carry the weight."""
+    """A body falls into a corner of three planes, which finally carry the weight."""
     gravity = np.array([-1.0, -1.0, -1.0]) * GRAVITY / math.sqrt(3)
     planes = [plane(name, normal=normal, friction=0.3) for name, normal in (("a", (1, 0, 0)), ("b", (0, 1, 0)), ("c", (0, 0, 1)))]
     document = box(stiffness, 0.1, plane=planes, environment={"gravity": list(gravity)}, initial={"offset": [0.1, 0.1, 0.1]})
@@ -203,7 +203,7 @@ def _corner(stiffness: float, findings: Findings) -> None:
 
 
 def _wedge(degrees: float, findings: Findings) -> None:
-    """Falls between two planes that open by an acute angle, without friction."""
+    """A body falls between two planes that form an acute angle, without friction."""
     half = math.radians(degrees) / 2
     planes = [plane(name, point=(0.5, 0, -1), normal=(sign * math.cos(half), 0, math.sin(half))) for name, sign in (("a", 1), ("b", -1))]
     with Drive(box(1e3, 0.1, plane=planes, environment=DOWN, material={"stiffness": 1e3, "damping": 0.1})) as drive:
@@ -213,7 +213,7 @@ def _wedge(degrees: float, findings: Findings) -> None:
 
 
 def _closing(opposite: bool, findings: Findings) -> None:
-    """Two planes close on each other until nothing is left between them."""
+    """Two planes close until no space is left between them."""
     lid = plane("lid", point=(0.5, 0.5, 1), normal=(0, 0, -1) if opposite else (0.1, 0, -1), motion="input")
     with Drive(box(1e3, 0.1, plane=[plane(), lid], pin=[] if opposite else [{"name": "held", "points": "x+"}])) as drive:
         for n in range(200):
@@ -223,7 +223,7 @@ def _closing(opposite: bool, findings: Findings) -> None:
 
 
 def cases() -> list[Case]:
-    """Contact."""
+    """Returns the contact cases."""
     sound = "no penetration, no energy out of nothing"
     found = []
     for k, H, duration in ((1e3, 1e-2, 3.0), (1e9, 1e-3, 1.0), (1e9, 1e-2, 1.0), (1e9, 1e-1, 3.0), (1e10, 1e-2, 1.0), (1e12, 1e-3, 0.3)):

@@ -1,4 +1,4 @@
-"""Cases: extreme ratios, forces, starts and motions."""
+"""Cases with extreme ratios, forces, initial states and motions."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from validation.stability.verdict import Case, Findings
 
 
 def _mass_ratio(ratio: float, step: float, findings: Findings) -> None:
-    """One corner lighter than the other points by the ratio, released from a stretch."""
+    """A body with one corner lighter than the other points by the ratio is released from a stretch."""
     region = [{"points": [[0, 0, 0]], "mass": 1 / 64 / ratio}]
     with Drive(box(1e3, region=region, initial={"stretch": [1.02, 1.0, 1.0]})) as drive:
         drive.run(5 * step, step)
@@ -23,7 +23,7 @@ def _mass_ratio(ratio: float, step: float, findings: Findings) -> None:
 
 
 def _stiffness_ratio(findings: Findings) -> None:
-    """The lowest layer 1e9 N/m, the others 1e-3 N/m."""
+    """The lowest layer has 1e9 N/m, the others have 1e-3 N/m."""
     region = [{"points": "z-", "stiffness": 1e9}]
     with Drive(box(1e-3, region=region, initial={"stretch": [1.0, 1.0, 1.1], "angular_velocity": [0.0, 0.0, 1.0]})) as drive:
         drive.run(1.0, 0.1)
@@ -33,7 +33,7 @@ def _stiffness_ratio(findings: Findings) -> None:
 
 
 def _force(newton: float, findings: Findings) -> None:
-    """On one corner; momentum is force times time."""
+    """A force acts on one corner; the momentum is force times time."""
     with Drive(box(1e3, load=[{"name": "push", "points": [[3, 3, 3]]}])) as drive:
         drive.set(load__push=(newton, 0.0, 0.0))
         drive.run(0.01, 1e-3)
@@ -45,8 +45,8 @@ def _force(newton: float, findings: Findings) -> None:
 
 
 def _pulled(step: float, findings: Findings) -> None:
-    """At one face, held at the other: within a given step the springs grow by half, and stability divides it. So near the
-    stability limit leapfrog's energy swings by some per cent."""
+    """A body held at one face is pulled at the other. Within a given step the springs grow by half, and the stability bound divides the
+    step. So near the stability limit the energy of leapfrog oscillates by some per cent."""
     document = box(1e3, 0.05, pin=[{"name": "left", "points": "x-"}], load=[{"name": "push", "points": "x+"}], method="leapfrog")
     with Drive(document, {"solver.step": step}) as drive:
         drive.set(load__push=(3e3, 0.0, 0.0))
@@ -56,7 +56,7 @@ def _pulled(step: float, findings: Findings) -> None:
 
 
 def _stretched(stretch: list[float], still: bool, findings: Findings) -> None:
-    """still: the springs are without force in this shape, so that nothing moves."""
+    """A body starts stretched by these factors. still: the springs have no force in this shape, so that nothing moves."""
     with Drive(box(1e3, initial={"stretch": stretch})) as drive:
         start = drive.x
         drive.run(0.1, 1e-2)
@@ -84,7 +84,7 @@ def _spun(stiffness: float, rate: float, step: float, steps: int, findings: Find
 
 
 def _reversed_gravity(findings: Findings) -> None:
-    """Up and down by turns: a body without stresses goes up and down as one."""
+    """Gravity acts up and down by turns; a body without stresses moves up and down rigidly."""
     with Drive(box(1e3, environment=DOWN)) as drive:
         speed = height = 0.0
         for n in range(200):
@@ -98,7 +98,7 @@ def _reversed_gravity(findings: Findings) -> None:
 
 
 def _torn(findings: Findings) -> None:
-    """Two faces held and drawn apart at 100 m/s to a hundred times the length."""
+    """Two pinned faces are drawn apart at 100 m/s to a hundred times the length."""
     pins = [{"name": "left", "points": "x-"}, {"name": "right", "points": "x+", "motion": "input"}]
     with Drive(box(1e3, 0.1, pin=pins)) as drive:
         home = drive.rest[drive.rest[:, 0] == 1].mean(axis=0)
@@ -115,7 +115,7 @@ def _torn(findings: Findings) -> None:
 
 
 def _damped(findings: Findings) -> None:
-    """1e9 N s/m per point: a stretched body creeps back, and gains nothing."""
+    """With 1e9 N s/m per point, a stretched body creeps back and gains no energy."""
     with Drive(box(1e3, 1e9, initial={"stretch": [1.1, 1.0, 1.0]})) as drive:
         drive.run(1.0, 0.1, lambda: conserves(findings, drive, gain=1e-9))
         findings.sound(drive)
@@ -124,7 +124,7 @@ def _damped(findings: Findings) -> None:
 
 
 def _endless(findings: Findings) -> None:
-    """1e12 N/m released from a stretch, and a single step of 100 s: 1.5e9 vibrations of the lattice."""
+    """A body of 1e12 N/m is released from a stretch and makes a single step of 100 s: 1.5e9 vibrations of the lattice."""
     with Drive(box(1e12, initial={"stretch": [1.01, 1.0, 1.0]})) as drive:
         drive.step(100.0)
         findings.sound(drive)
@@ -143,7 +143,7 @@ def _not_a_number(findings: Findings) -> None:
 
 
 def _overflow(findings: Findings) -> None:
-    """A force beyond what double precision can carry on."""
+    """A force so large that the motion overflows double precision."""
     with Drive(box(1e3, load=[{"name": "push", "points": [[0, 0, 0]]}])) as drive:
         drive.set(load__push=(1e308, 0.0, 0.0))
         drive.run(1.0, 0.1)
@@ -151,7 +151,7 @@ def _overflow(findings: Findings) -> None:
 
 
 def cases() -> list[Case]:
-    """Extremes."""
+    """Returns the extreme cases."""
     free = "energy and momentum conserved"
     return [
         Case("mass ratio 1e6", "one corner of 1.6e-8 kg, k = 1e3 N/m, five steps of 10 ms", free, partial(_mass_ratio, 1e6, 1e-2)),

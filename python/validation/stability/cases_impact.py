@@ -1,7 +1,7 @@
-"""Cases: impacts, sliding and rest of stiff bodies, at communication steps from far below to far above the contact's duration.
+"""Cases of impacts, sliding and rest of stiff bodies, with communication steps from far below to far above the duration of the contact.
 
-The references of A1 to A12 are those of an independent program (a prototype of its own, leapfrog with steps down to 1/128 of the stable
-one, known to the digits given), others are closed forms, conservation laws, or `impact`, in numpy.
+The references of A1 to A12 come from an independent program (a separate prototype, leapfrog with steps down to 1/128 of the stable step,
+known to the digits given). Other references are closed forms, conservation laws, or `after_impact` in numpy.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from validation.stability.drive import DOWN, GRAVITY, Drive, box, plane, tilted
 from validation.stability.verdict import STATED, Case, Findings, stated_length
 
 STEPS = (1e-3, 1e-2, 5e-2)  # communication steps [s]
-TOLERANCE, RIGHT = 1e-4, 3e-4  # relative to the box; what a control point may be off [m]
+TOLERANCE, RIGHT = 1e-4, 3e-4  # tolerance relative to the box; permitted position error of a control point [m]
 FRICTION = 0.4
-UNIT_INERTIA = 5 / 18  # of 4 x 4 x 4 equal points of 1 kg and 1 m in all, about any axis [kg m2]
+UNIT_INERTIA = 5 / 18  # of 4 x 4 x 4 equal points, 1 kg and 1 m in total, about any axis [kg m2]
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene with what is known of its end."""
+    """A scene with the known quantities of its final state."""
 
     name: str
     what: str
@@ -39,9 +39,9 @@ class Scene:
     opposite: Mapping[str, float] = field(default_factory=dict)  # point (3, 3, 3) [m]
     velocity: Mapping[str, float] = field(default_factory=dict)  # of the centre [m/s]
     limit: float = RIGHT  # m
-    scale: float = GRAVITY  # of energies [J]: about the largest in the scene
+    scale: float = GRAVITY  # energy scale [J], about the largest energy in the scene
     more: Callable[[Findings, Drive, float, float], None] | None = None
-    """Further checks in the end; told the communication step [s] and the internal steps of the last one"""
+    """Further checks at the end, called with the communication step [s] and the number of internal steps of the last communication step"""
 
 
 def _dropped(stiffness: float, damping: float, spin: float, *, offset: float = 0.5) -> dict[str, Any]:
@@ -50,28 +50,28 @@ def _dropped(stiffness: float, damping: float, spin: float, *, offset: float = 0
 
 
 def _light() -> dict[str, Any]:
-    """1 kg in all, the others alike."""
+    """Returns a box of 1 kg in total that falls by 0.2 m. One corner has 1e-6 kg; the other points have equal masses."""
     corner = {"points": [[0, 0, 0]], "mass": 1e-6}
     return _dropped(1e3, 0.0, 0.0, offset=0.2) | {"mass": {"total": 64 * (1 - 1e-6) / 63}, "region": [corner]}
 
 
 def _past(stiffness: float, clearance: float, spin: float = 22.43995) -> dict[str, Any]:
-    """Spins over a plane whose corners come nearer than its faces."""
+    """Returns a box that spins over a plane, so that its corners come nearer to the plane than its faces."""
     initial = {"offset": [0.0, 0.0, clearance], "angular_velocity": [0.0, spin, 0.0]}
     return box(stiffness, plane=[plane(friction=0.3)], initial=initial)
 
 
 def _spin_about_y(findings: Findings, drive: Drive, _step: float, _spent: float) -> None:
-    """Of the attitude: L / I, with the inertia of the moment."""
+    """Checks the spin of the attitude, L / I with the present moment of inertia."""
     arms = drive.x - drive.centre
     inertia = float(drive.mass @ (arms[:, 0] ** 2 + arms[:, 2] ** 2))
-    # it vibrates by some 1e-3 with the body's width
+    # the spin oscillates by about 1e-3 with the width of the body
     findings.check("error of the spin, relative", abs(drive.angular_momentum[1] / inertia / 19.69506 - 1), 3e-3)
 
 
 def _at_rest(findings: Findings, drive: Drive, step: float, spent: float) -> None:
     weight = drive.mass.sum() * GRAVITY
-    ringing = 2e-3 if step < 5e-3 else 1e-4  # what leapfrog in small steps leaves of the vibration too, a mean over the step
+    ringing = 2e-3 if step < 5e-3 else 1e-4  # small leapfrog steps also leave some vibration in the mean over the step
     findings.check("weight error in the end, relative", abs(-drive.reaction("plane.ground")[2] / weight - 1), ringing)
     if step >= 1e-2:
         findings.check("internal steps of a communication step at rest", spent, 1)
@@ -101,7 +101,7 @@ SCENES = (
 
 @contextmanager
 def run_to_end(scene: Scene, step: float, findings: Findings) -> Iterator[tuple[Drive, float]]:
-    """The scene at its end, and the internal steps of its last communication step; what holds all the way is checked."""
+    """Yields the scene at its end and the internal steps of the last communication step. Checks during the run what always holds."""
     with Drive(scene.document) as drive:
         drive.restart({}, scene.duration, tolerance=TOLERANCE)
         steps, sound = [0.0], held(findings, drive, scale=scene.scale)
@@ -115,7 +115,7 @@ def run_to_end(scene: Scene, step: float, findings: Findings) -> Iterator[tuple[
 
 
 def _known_end(scene: Scene, step: float, findings: Findings) -> None:
-    """Errors up to five times the length that a warning states are bounded."""
+    """Checks the final state. Errors up to five times the length that a warning states count as bounded."""
     with run_to_end(scene, step, findings) as (drive, spent):
         said = STATED * stated_length(drive.warned) or None
         places = {"centre": (scene.centre, drive.centre), "point (0,0,0)": (scene.corner, drive.x[0]),
@@ -141,7 +141,7 @@ def _same_end(scene: Scene, findings: Findings) -> None:
 
 
 def _creep(stiffness: float, degrees: float, settled: float, step: float, findings: Findings) -> None:
-    """Sticks: no slip once the body has sunk into its springs, from the time `settled` [s] on."""
+    """The body sticks: there is no slip after the body has sagged, from the time `settled` [s] on."""
     with Drive(box(stiffness, 0.5, plane=[plane(friction=FRICTION)], environment=tilted(degrees))) as drive:
         drive.restart({}, 3.0, tolerance=TOLERANCE)
         drive.run(settled, step)
@@ -162,7 +162,7 @@ def _slide(step: float, findings: Findings) -> None:
 
 
 def _lost_phase(step: float, findings: Findings) -> None:
-    """Its path is one of many, and a warning has to say so with a number."""
+    """The trajectory is one of many possible ones, and a warning has to state the error as a number."""
     with Drive(_dropped(1e9, 0.05, 0.5)) as drive:
         drive.restart({}, 2.5, tolerance=TOLERANCE)
         drive.run(2.5, step, held(findings, drive, scale=GRAVITY))
@@ -170,7 +170,7 @@ def _lost_phase(step: float, findings: Findings) -> None:
 
 
 def _throw(stiffness: float, step: float, findings: Findings) -> None:
-    """Lands flat and is turned by friction; the centre's flight and the angular momentum afterwards."""
+    """The box lands flat and friction turns it. Checks the flight of the centre and the angular momentum afterwards."""
     document = box(stiffness, plane=[plane(friction=FRICTION)], environment=DOWN,
                    initial={"offset": [0.0, 0.0, 0.1], "velocity": [2.0, 0.5, 0.0]})  # fmt: skip
     with Drive(document) as drive:
@@ -187,7 +187,7 @@ def _throw(stiffness: float, step: float, findings: Findings) -> None:
 
 
 def _passes(step: float, findings: Findings) -> None:
-    """Corners that come within 0.4 mm of the plane do not touch it: nothing is lost."""
+    """The corners come within 0.4 mm of the plane without contact, so nothing is lost."""
     with Drive(_past(1e7, 0.2075)) as drive:
         drive.restart({}, 0.2, tolerance=TOLERANCE)
         drive.run(0.2, step, lambda: findings.sound(drive, [GROUND]))
@@ -196,7 +196,7 @@ def _passes(step: float, findings: Findings) -> None:
 
 
 def _rests(points: tuple[int, int, int], stiffness: float, findings: Findings) -> None:
-    """Unstressed on the ground, damped by 20 / s: after 2 s nothing moves, and it has sunk as far as the linear theory lets it."""
+    """The box starts unstressed on the ground, damped by 20 / s. After 2 s nothing moves, and the sag agrees with the linear theory."""
     count = math.prod(points)
     for step in STEPS:
         with Drive(box(stiffness, 40 / count, points=points, plane=[plane(friction=FRICTION)], environment=DOWN)) as drive:
@@ -235,7 +235,7 @@ def _each_step(name: str, what: str, oracle: str, run: Callable[..., None], *giv
 
 
 def cases() -> list[Case]:
-    """Impacts, sliding and rest."""
+    """Returns the cases of impacts, sliding and rest."""
     sound = "no penetration, no energy out of nothing"
     found: list[Case] = []
     for scene in SCENES:

@@ -1,4 +1,4 @@
-"""Cases: the standard scenes S1 to S7, and limits that are exact."""
+"""Cases of the standard scenes S1 to S7, and cases with exact limits."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ GROUND = (ORIGIN, Z)
 
 
 def conserves(findings: Findings, drive: Drive, *, scale: float | None = None, gain: float = 1e-3) -> None:
-    """No energy out of nothing: mechanical energy above the start's plus the work done, relative to the start's or a scale [J]."""
+    """Checks that no energy is gained: mechanical energy minus work minus start energy, divided by the start energy or a scale [J]."""
     scale = scale or max(drive.start_energy, 1e-300)
     findings.at_most("energy gained / energy", (drive.energy() - drive.value("energy.work") - drive.start_energy) / scale, gain)
 
 
 def held(findings: Findings, drive: Drive, planes: Sequence[tuple[Vector, Vector]] = (GROUND,), **energy: float) -> Callable[[], None]:
-    """What is to be asked after every step: that the state is sound before these planes, and that it conserves; energy: scale, gain."""
+    """Returns a check to call after every step: the state is sound with these planes and gains no energy. energy: scale, gain."""
 
     def each() -> None:
         findings.sound(drive, planes)
@@ -34,7 +34,7 @@ def held(findings: Findings, drive: Drive, planes: Sequence[tuple[Vector, Vector
 
 
 def undisturbed(findings: Findings, drive: Drive, *, gain: float = 1e-3, spin: bool = True) -> None:
-    """A free, undamped body: energy neither gained nor lost, momentum zero, angular momentum as it was."""
+    """Checks a free, undamped body: no energy gained or lost, zero momentum and, if `spin`, zero angular momentum."""
     conserves(findings, drive, gain=gain)
     findings.at_most("energy lost / energy", (drive.start_energy - drive.energy()) / drive.start_energy, gain, bound=0.05)
     speed = math.sqrt(2 * drive.start_energy * drive.mass.sum())
@@ -44,12 +44,12 @@ def undisturbed(findings: Findings, drive: Drive, *, gain: float = 1e-3, spin: b
 
 
 def turns_on(findings: Findings, drive: Drive, limit: float, *, bound: float | None = None) -> None:
-    """Angular momentum as at the start."""
+    """Checks that the angular momentum equals that at the start."""
     findings.check("change of angular momentum, relative", drive.turning_change(), limit, bound=bound)
 
 
 def slides(findings: Findings, drive: Drive, *, missing: float, beyond: float) -> None:
-    """On the ground with friction 0.4: momentum balances, and friction stays within Coulomb's cone."""
+    """Checks a body on the ground with friction 0.4: momentum balances, and friction stays within Coulomb's cone."""
     weight = drive.mass.sum() * drive.time * GRAVITY
     findings.check("missing momentum / that of the weight", np.abs(drive.missing_momentum()).max() / weight, missing)
     findings.check("friction impulse / (mu normal impulse) - 1", np.hypot(*drive.impulse[:2]) / (0.4 * drive.impulse[2]) - 1, beyond)
@@ -68,7 +68,7 @@ def _free(name: str, findings: Findings) -> None:
 
 
 def _pulled(name: str, findings: Findings) -> None:
-    """Slow load: in the end the springs carry it, and what is left over is only the common fall."""
+    """A slow load acts. Finally the springs carry the load, and the only remaining motion is the common fall."""
     scene = load_scene(name)
     with Drive(scene) as drive:
         inputs = Inputs(scene.default_inputs)
@@ -81,7 +81,7 @@ def _pulled(name: str, findings: Findings) -> None:
 
 
 def _fall(drive: Drive) -> float:
-    """Momentum of a body that falls from rest with the damping rate of its points [kg m/s], all points alike."""
+    """Returns the momentum [kg m/s] of a body that falls from rest with the damping rate of its points, equal for all points."""
     rate = drive.body.damping[0] / drive.body.mass[0]
     return float(drive.mass.sum() * -GRAVITY * (1 - math.exp(-rate * drive.time)) / rate)
 
@@ -103,7 +103,7 @@ def _spin(turns: int, findings: Findings) -> None:
 
 
 def _spin_long(steps: float, findings: Findings) -> None:
-    """Fixed steps at half of the stability bound, so many of them."""
+    """The scene runs for this number of fixed steps of half the stability bound."""
     scene = load_scene("spin")
     with Drive(scene) as drive:
         h = 0.5 * drive.value("solver.stable_step")
@@ -118,7 +118,7 @@ def _spin_long(steps: float, findings: Findings) -> None:
 
 
 def crush(share: float, *, stiffness: float = 1e3, volume: float = 0.0, step: float = 0.01, method: str = "auto") -> Run:
-    """A box on the ground under a lid that comes down to a share of its height, waits and goes away: how it ends."""
+    """Returns the run of a case: a lid presses a box to a fraction of its height, waits and moves away. The run checks the end state."""
 
     def run(findings: Findings) -> None:
         lid = plane("lid", point=(0, 0, 1), normal=(0, 0, -1), motion="input")
@@ -153,7 +153,7 @@ def _gain(drive: Drive) -> float:
 
 
 def _free_fall(step: float, steps: int, findings: Findings) -> None:
-    """Exact: x + v t + g t^2 / 2, for a body without stresses."""
+    """A body without stresses falls; the exact position is x + v t + g t^2 / 2."""
     with Drive(box(1.0, environment=DOWN, initial={"velocity": [0.3, 0.0, 1.0]})) as drive:
         start = drive.x
         for _ in range(steps):
@@ -164,7 +164,7 @@ def _free_fall(step: float, steps: int, findings: Findings) -> None:
 
 
 def _static_stretch(findings: Findings) -> None:
-    """Pulled by 20 N per point at both ends (k = 1e3 N/m): the exact extents of the static solution."""
+    """A body is pulled by 20 N per point at both ends (k = 1e3 N/m). The extents of the static solution are exact."""
     loads = [{"name": "right", "points": "x+"}, {"name": "left", "points": "x-"}]
     with Drive(box(1e3, 0.5, load=loads)) as drive:
         drive.set(load__right=(320.0, 0.0, 0.0), load__left=(-320.0, 0.0, 0.0))
@@ -175,7 +175,7 @@ def _static_stretch(findings: Findings) -> None:
 
 
 def _terminal_velocity(damping: float, findings: Findings) -> None:
-    """v = m g / d (1 - exp(-d t / m)) for every point."""
+    """A damped body falls; v = m g / d (1 - exp(-d t / m)) for every point."""
     with Drive(box(1e3, damping, environment=DOWN)) as drive:
         drive.run(1.0, 0.01)
         rate = damping * len(drive.mass) / drive.mass.sum()
@@ -192,7 +192,7 @@ def _vibration(points: tuple[int, int, int], findings: Findings) -> None:
 
 
 def cases() -> list[Case]:
-    """The standard scenes and the exact limits."""
+    """Returns the cases of the standard scenes and the exact limits."""
     free = "energy, momentum and angular momentum conserved"
     pull = "spring forces balance the load in the end; momentum of the fall exact"
     found = [

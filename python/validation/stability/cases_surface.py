@@ -1,4 +1,4 @@
-"""Cases: obstacles meet the object's own surface, a sphere of 642 vertices or a cube of 8 x 8 on each face, in a box that is larger."""
+"""Cases in which obstacles meet the surface of the object, a sphere of 642 vertices or a cube of 8 x 8 on each face, in a larger box."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from validation.stability.cases_standard import held, slides
 from validation.stability.drive import DOWN, GRAVITY, ORIGIN, Drive, Z, box, plane, tilted
 from validation.stability.verdict import Case, Findings
 
-MARGIN = 0.05  # of the cube, on all sides [m]; the sphere's is 0.1
+MARGIN = 0.05  # margin of the cube in the box, on all sides [m]; the margin of the sphere is 0.1
 LATTICES: dict[str, dict[str, Any]] = {
     "3^3": {"points": (3, 3, 3)},
     "4^3": {"points": (4, 4, 4)},
@@ -22,7 +22,7 @@ LATTICES: dict[str, dict[str, Any]] = {
 
 
 def _rest(lattice: str, stiffness: float, findings: Findings) -> None:
-    """A sphere, slightly above the ground at first: where it presses is below its centre of mass."""
+    """A sphere starts slightly above the ground; the centre of pressure is below the centre of mass."""
     start = {"offset": [0.0, 0.0, -0.095]}
     document = box(stiffness, **LATTICES[lattice], plane=[plane(friction=0.4)], environment=DOWN, initial=start)
     document["material"]["damping"] = 20.0 / np.prod(document["lattice"]["points"])
@@ -39,7 +39,7 @@ def _rest(lattice: str, stiffness: float, findings: Findings) -> None:
         findings.check("weight error, N", abs(np.mean(force[-50:]) - weight), 1e-2 * weight, bound=0.1 * weight)
         findings.check("centre of pressure beside that of mass / box", np.mean(apart[-50:]), 2e-2, bound=0.1)
         missing = abs(drive.missing_momentum()[2]) / (weight * drive.time)
-        findings.check("missing momentum / that of the weight", missing, 1e-4)  # of the damping, summed from step to step
+        findings.check("missing momentum / that of the weight", missing, 1e-4)  # from the sum of the damping over steps
 
 
 def _drop(lattice: str, stiffness: float, findings: Findings) -> None:
@@ -61,7 +61,7 @@ def _incline(stiffness: float, degrees: float, findings: Findings) -> None:
 
 
 def _thrown(stiffness: float, friction: float, findings: Findings) -> None:
-    """Into a corner of three planes, spinning."""
+    """A spinning sphere is thrown into a corner of three planes."""
     planes = [plane(name, normal=normal, friction=friction) for name, normal in (("a", (1, 0, 0)), ("b", (0.1, 1, 0)), ("c", (0, 0, 1)))]
     start = {"offset": [0.05, 0.05, 0.05], "velocity": [-2.0, -1.5, -1.0], "angular_velocity": [3.0, -2.0, 4.0]}
     with Drive(box(stiffness, 0.02, plane=planes, environment=DOWN, initial=start), surface=sphere(3)) as drive:
@@ -69,7 +69,7 @@ def _thrown(stiffness: float, friction: float, findings: Findings) -> None:
 
 
 def _squeezed(stiffness: float, findings: Findings) -> None:
-    """Between the ground and a lid that comes down and moves aside."""
+    """A sphere is pressed between the ground and a lid that comes down and moves sideways."""
     lid = plane("lid", point=(0.5, 0.5, 0.9), normal=(0, 0, -1), motion="input", friction=0.3, inputs=["point", "velocity"])
     ground = (0, 0, 0.1)
     with Drive(box(stiffness, 0.1, plane=[plane(point=ground, friction=0.3), lid]), surface=sphere(3)) as drive:
@@ -82,7 +82,7 @@ def _squeezed(stiffness: float, findings: Findings) -> None:
 
 
 def cases() -> list[Case]:
-    """Contact of the surface."""
+    """Returns the cases of surface contact."""
     sound = "no vertex behind a plane, no energy out of nothing"
     found = []
     for lattice, k in (("4^3", 1e3), ("4^3", 1e5), ("4^3", 1e7), ("3^3", 1e4), ("8^3", 1e4)):

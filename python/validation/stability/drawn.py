@@ -1,7 +1,7 @@
-"""Scenes drawn at random: what a seed means, from the lattice to the course of its inputs and the lengths of its communication steps.
+"""Random scenes. A seed determines the scene, from the lattice to the trajectories of the inputs and the communication steps.
 
 A seed gives the same scene on every platform: uniform numbers of PCG64 in a fixed order, values of four digits, and no sums by a BLAS,
-which differ with the processor. Whoever adds a draw adds it at the end of its function, or all scenes become others.
+which differ with the processor. A new draw must be added at the end of its function, since otherwise all scenes change.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ SHORTEST, LONGEST = 1e-3, 5e-2  # communication steps [s]
 
 
 class Draws:
-    """Numbers in a row."""
+    """A sequence of random numbers."""
 
     def __init__(self, seed: int):
         self._generator = np.random.Generator(np.random.PCG64(seed))
 
     def share(self) -> float:
-        """In [0, 1)."""
+        """Returns a number in [0, 1)."""
         return float(self._generator.random())
 
     def chance(self, probability: float) -> bool:
@@ -39,18 +39,18 @@ class Draws:
         return _four_digits(low + (high - low) * self.share())
 
     def log(self, low: float, high: float) -> float:
-        """Its logarithm is uniform."""
+        """Returns a number from low to high whose logarithm is uniformly distributed."""
         return _four_digits(low * (high / low) ** self.share())
 
     def whole(self, low: int, high: int) -> int:
-        """low to high, both included."""
+        """Returns an integer from low to high, both included."""
         return low + int((high - low + 1) * self.share())
 
     def one_of(self, choices: Sequence[Any]) -> Any:
         return choices[self.whole(0, len(choices) - 1)]
 
     def direction(self, most: float = math.pi) -> np.ndarray:
-        """A unit vector (3,) within an angle [rad] of z."""
+        """Returns a unit vector (3,) within an angle [rad] of z."""
         angle, round_z = most * self.share(), 2 * math.pi * self.share()
         return _rounded([math.sin(angle) * math.cos(round_z), math.sin(angle) * math.sin(round_z), math.cos(angle)])
 
@@ -60,21 +60,21 @@ def _four_digits(value: float) -> float:
 
 
 def _rounded(vector: Any) -> np.ndarray:
-    """To 1e-6, without negative zeros."""
+    """Returns the vector rounded to 1e-6, without negative zeros."""
     return np.round(np.asarray(vector, float), 6) + 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A frame in rigid motion that is uniform before and after one moment; vectors (3,)."""
+    """The trajectory of a frame in rigid motion that is uniform before and after one moment. Vectors are (3,)."""
 
     point: np.ndarray  # m, at the start
-    turning_at: float = math.inf  # s, of a communication point
+    turning_at: float = math.inf  # s, a communication point
     velocities: Sequence[np.ndarray] = (np.zeros(3), np.zeros(3))  # m/s
     spins: Sequence[np.ndarray] = (np.zeros(3), np.zeros(3))  # rad/s
 
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """The point [m], velocity [m/s] and spin [rad/s] from a time [s] on, and the spin integrated over the parts so far (2, 3) [rad]."""
+        """Returns point [m], velocity [m/s], spin [rad/s] from a time [s] on, and the rotation in each sub-interval so far (2, 3) [rad]."""
         first = min(time, self.turning_at)
         angles = np.array([first * self.spins[0], (time - first) * self.spins[1]])
         point = self.point + first * self.velocities[0] + (time - first) * self.velocities[1]
@@ -82,7 +82,7 @@ class Course:
         return point, self.velocities[later], self.spins[later], angles
 
     def turned(self, vector: np.ndarray, time: float) -> np.ndarray:
-        """A vector of the frame at a time [s]."""
+        """Returns a vector that is fixed to the frame, at a time [s]."""
         for angle in self.at(time)[3]:
             vector = turned(vector, angle)
         return vector
@@ -90,11 +90,11 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class Ramp:
-    """A load that grows linearly and then stays."""
+    """A load that grows linearly and then stays constant."""
 
     force: np.ndarray  # N (3,)
-    length: float  # s; 0: at once
-    linear: bool  # told with its rate within the communication step; held otherwise
+    length: float  # s; 0: the full load acts at once
+    linear: bool  # set with its rate for each communication step; otherwise constant in the step
 
     def at(self, time: float) -> np.ndarray:
         return self.force * (min(1.0, time / self.length) if self.length > 0 else 1.0)
@@ -102,26 +102,26 @@ class Ramp:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A scene, the course of its inputs, and how it is stepped."""
+    """A scene, the trajectories of its inputs, and its communication steps."""
 
     seed: int
     document: dict[str, Any]
     lengths: list[float]  # of the communication steps [s]
     tolerance: float  # relative to the largest side
-    planes: dict[str, tuple[np.ndarray, Course]]  # normals or axes at the start, and courses; all obstacles
-    pins: dict[str, Course] = field(default_factory=dict)  # those that move
+    planes: dict[str, tuple[np.ndarray, Course]]  # normals or axes at the start, and trajectories; all but free obstacles
+    pins: dict[str, Course] = field(default_factory=dict)  # pins that move
     loads: dict[str, Ramp] = field(default_factory=dict)
-    surface: Shape | None = None  # of the object, where obstacles meet it
-    body: str = ""  # what it is
+    surface: Shape | None = None  # surface of the object, if obstacles meet it
+    body: str = ""  # description
     pushes: dict[str, Ramp] = field(default_factory=dict)  # on free bodies, by the names of their inputs
 
     @property
     def duration(self) -> float:
-        """s"""
+        """Duration of the run [s]"""
         return sum(self.lengths)
 
     def tell(self, drive: Drive, length: float) -> None:
-        """Sets all inputs for the next step [s]."""
+        """Sets all inputs for the next step of this length [s]."""
         time = drive.time
         for name, (normal, course) in self.planes.items():
             point, velocity, spin, _ = course.at(time)
@@ -138,26 +138,26 @@ class Drawn:
                 drive.set_rates(name, (ramp.at(time + length) - ramp.at(time)) / length)
 
     def gaps(self, places: np.ndarray, time: float) -> dict[str, np.ndarray]:
-        """How far places (n, 3) [m] are from every led obstacle at a time [s], (n,) [m]; negative behind or in it."""
+        """Returns the distances (n,) [m] of places (n, 3) [m] from every obstacle but free ones at a time [s], negative behind or in it."""
         poses = {name: (course.at(time)[0], course.turned(normal, time)) for name, (normal, course) in self.planes.items()}
         led = [(kind, each) for kind, each in self._obstacles() if each["name"] in poses]
         return {each["name"]: gap(kind, each, places, *poses[each["name"]], *self._across(each, time)) for kind, each in led}
 
     def gaps_of_free(self, places: np.ndarray, poses: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> dict[str, np.ndarray]:
-        """Likewise from free obstacles, whose centres (3,) [m] and axes (3, 3), in rows, are given by KIND.NAME."""
+        """Returns the distances from free obstacles as `gaps` does. poses: centres (3,) [m] and axes as rows (3, 3), by KIND.NAME."""
         free = [(kind, each) for kind, each in self._obstacles() if f"{kind}.{each['name']}" in poses]
         found = {f"{kind}.{each['name']}": (kind, each) for kind, each in free}
         return {name: gap(kind, each, places, poses[name][0], poses[name][1][2], poses[name][1][0]) for name, (kind, each) in found.items()}
 
     def _across(self, obstacle: dict[str, Any], time: float) -> list[np.ndarray]:
-        """The first axis of a box."""
+        """Returns the first axis of a box (3,) in a list, which is empty for other obstacles."""
         if "rotation" not in obstacle:
             return []
         first = turned(np.array([1.0, 0.0, 0.0]), np.array(Rotation(**obstacle["rotation"]).vector()))
         return [self.planes[obstacle["name"]][1].turned(first, time)]
 
     def _rotation(self, name: str, time: float) -> np.ndarray:
-        """Of a box, whole [rad]."""
+        """Returns the total rotation vector of a box at a time [s], (3,) [rad]."""
         obstacle = next(each for _, each in self._obstacles() if each["name"] == name)
         whole = quaternion(np.array(Rotation(**obstacle["rotation"]).vector()))
         for angle in self.planes[name][1].at(time)[3]:
@@ -168,16 +168,16 @@ class Drawn:
         return [(kind, each) for kind in KINDS for each in self.document.get(kind, ())]
 
     def _kind(self, name: str) -> str:
-        """Of an obstacle."""
+        """Returns the kind of an obstacle."""
         return next(kind for kind, each in self._obstacles() if each["name"] == name)
 
     def _inputs(self, name: str) -> list[str]:
-        """Of an obstacle."""
+        """Returns the inputs of an obstacle."""
         return next(each.get("inputs", []) for _, each in self._obstacles() if each["name"] == name)
 
     @property
     def words(self) -> str:
-        """What distinguishes it, in a line."""
+        """Description of the scene in a line"""
         document, lattice = self.document, self.document["lattice"]
         parts = [
             " x ".join(map(str, lattice["points"])) + (f" with {self.body}" if self.body else ""),
@@ -217,13 +217,13 @@ def _quaternion(angle: np.ndarray) -> list[float]:
 
 
 def _product(last: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Of quaternions: the turn `first`, then `last`."""
+    """Returns the product of two quaternions: the rotation `first`, then `last`."""
     a, b = last[1:], first[1:]
     return np.array([last[0] * first[0] - a @ b, *(last[0] * b + first[0] * a + np.cross(a, b))])
 
 
 def drawn(seed: int) -> Drawn:
-    """The scene of a seed."""
+    """Returns the scene of a seed."""
     draws = Draws(seed)
     counts = [draws.one_of((2, 2, 2, 3, 3, 4, 4, 5)) for _ in "xyz"]
     size = [1.0] * 3 if draws.chance(0.4) else [draws.between(0.3, 1.2) for _ in "xyz"]
@@ -258,7 +258,7 @@ def drawn(seed: int) -> Drawn:
 
 
 def _lengths(draws: Draws) -> tuple[list[float], float]:
-    """Of the communication steps, which make 0.3 to 1 s, and the time of one of the points between them [s]."""
+    """Returns the lengths of the communication steps [s], 0.3 to 1 s in total, and the time [s] of one of the communication points."""
     usual, changing, duration = draws.log(SHORTEST, LONGEST), draws.chance(0.3), 0.3 + 0.7 * draws.share() ** 2
     lengths: list[float] = []
     while sum(lengths) < duration:
@@ -267,7 +267,7 @@ def _lengths(draws: Draws) -> tuple[list[float], float]:
 
 
 def _initial(draws: Draws, rate: float, held: bool) -> tuple[dict[str, Any], bool]:
-    """A start, and whether the body moves as a whole. rate: stiffness by mass [1/s2]: the stretch vibrates with 0.01 to 1 m/s."""
+    """Returns a start, and whether the body moves as a whole. rate: stiffness by mass [1/s2]; the stretch vibrates with 0.01 to 1 m/s."""
     stretch = [1.0] * 3
     if draws.chance(0.3):
         most = min(0.05, draws.log(1e-2, 1.0) / math.sqrt(rate))
@@ -281,7 +281,7 @@ def _initial(draws: Draws, rate: float, held: bool) -> tuple[dict[str, Any], boo
 
 
 def masses_and_damping(draws: Draws, counts: list[int], total: float) -> tuple[float, list[dict[str, Any]]]:
-    """Damping of the points [N s/m], and regions where mass or damping is another."""
+    """Returns the damping of the points [N s/m] and regions with another mass or damping."""
     mass = total / math.prod(counts)
     damping = {"none": 0.0, "small": mass * draws.log(1e-2, 1.0), "large": mass * draws.log(3.0, 300.0)}
     kind = draws.one_of(("none", "small", "small", "large", "mixed"))
@@ -294,7 +294,7 @@ def masses_and_damping(draws: Draws, counts: list[int], total: float) -> tuple[f
 
 
 def _some(draws: Draws, counts: list[int]) -> Any:
-    """A face, a corner, or some points."""
+    """Returns the selection of a face, a corner, or some points."""
     kind, face = draws.one_of(("face", "corner", "points")), draws.one_of(FACES)
     number = {"face": 0, "corner": 1, "points": draws.whole(2, 4)}[kind]
     ends = [[draws.whole(0, count - 1) for count in counts] for _ in range(number)]
@@ -306,10 +306,10 @@ def _some(draws: Draws, counts: list[int]) -> Any:
 def _planes(
     draws: Draws, size: np.ndarray, resting: bool, held: bool, duration: float, moment: float
 ) -> tuple[list[dict[str, Any]], dict[str, tuple[np.ndarray, Course]]]:
-    """No plane, one below, or another one that leans beside or lies above; resting: the first touches the whole lower face; held: no other.
+    """Returns planes and their trajectories: none, one below, or also a second one that leans beside the body or lies above.
 
-    size: of the body at its start (3,) [m]. A plane that moves towards the body comes at most 2 % of the size further than it touches.
-    """
+    size: of the body at its start (3,) [m]. resting: the first plane touches the whole lower face. held: no second plane. A plane that
+    moves towards the body comes at most 2 % of the size further than the point of contact."""
     planes: list[dict[str, Any]] = []
     courses: dict[str, tuple[np.ndarray, Course]] = {}
     number = draws.one_of((0, 1, 1, 1, 1, 1, 2, 2))
@@ -338,19 +338,19 @@ def _planes(
 
 
 def _by_input(*pose: str) -> dict[str, Any]:
-    """A plane or pin whose whole pose and motion are inputs."""
+    """Returns the keys of a plane or pin whose whole pose and motion are inputs."""
     return {"motion": "input", "inputs": [*pose, "velocity", "angular_velocity"]}
 
 
 def _foot(size: np.ndarray, normal: np.ndarray, clearance: float) -> np.ndarray:
-    """The point of a plane below the middle of a box of this size that is so far from the nearest corner [m]."""
+    """Returns the point, below the middle of a box of this size, of a plane at a clearance [m] from the nearest corner."""
     middle = size / 2
     reach = float((np.abs(normal) * middle).sum())
     return _rounded(middle - (reach + clearance) * normal)
 
 
 def _pins(draws: Draws, size: np.ndarray, beside_plane: bool, duration: float) -> tuple[list[dict[str, Any]], dict[str, Course]]:
-    """One face, the upper one beside a plane; fixed or in uniform motion, not downwards, by a few per cent of the size."""
+    """Returns a pin of one face, the upper one beside a plane. It is fixed or moves uniformly, not downwards, by a few per cent of size."""
     face, moving = draws.one_of(FACES), draws.chance(0.5)
     face = "z+" if beside_plane else face
     velocity = _rounded(0.05 * size.min() / duration * draws.direction(math.pi / 2))

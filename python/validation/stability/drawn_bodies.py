@@ -1,4 +1,4 @@
-"""Scenes drawn at random, of bodies whose own surface meets the obstacles, planes or solids; and of bodies with internal damping."""
+"""Random scenes of bodies whose surface meets obstacles (planes or solids), and random scenes of bodies with internal damping."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ OWN_BODY = 1_000_000  # added to a seed for the draws of the body
 
 
 def drawn_surface(seed: int) -> Drawn:
-    """The scene of a seed, of a body with a surface."""
+    """Returns the scene of a seed with a body that has a surface."""
     scene = drawn(seed)
     document = scene.document
     material = _softer(document["material"])
@@ -26,12 +26,12 @@ def drawn_surface(seed: int) -> Drawn:
 
 
 def _softer(material: dict[str, Any]) -> dict[str, Any]:
-    """Up to 1e6 N/m in place of 1e10."""
+    """Returns the material with stiffnesses reduced to up to 1e6 N/m instead of up to 1e10 N/m."""
     return material | {"stiffness": {kind: float(f"{1e2 * (value / 1e2) ** 0.5:.4g}") for kind, value in material["stiffness"].items()}}
 
 
 def _body(draws: Draws, size: np.ndarray) -> tuple[Shape, str]:
-    """An ellipsoid or a cuboid in a box of this size (3,) [m], touching its sides or further in, and what it is."""
+    """Returns an ellipsoid or a cuboid in a box of this size (3,) [m], at the sides of the box or inside, and a description."""
     margin = draws.between(0.02, 0.15) * draws.chance(0.7)
     if draws.chance(0.6):
         vertices, faces = sphere(draws.whole(1, 4), radius=0.5 - margin)
@@ -44,7 +44,7 @@ OWN_SOLIDS = 2_000_000  # added to a seed for the draws of the solids
 
 
 def drawn_solids(seed: int) -> Drawn:
-    """The scene of a seed, of a body beside solids."""
+    """Returns the scene of a seed with a body beside solids."""
     scene, draws = drawn_surface(seed), Draws(OWN_SOLIDS + seed)
     size = max(scene.document["lattice"]["size"])
     sections: dict[str, Any] = {"plane": [], **{section: [] for section in SOLIDS}}
@@ -64,9 +64,9 @@ def drawn_solids(seed: int) -> Drawn:
 
 
 def solid_at(draws: Draws, size: float, normal: np.ndarray, most: float = 10.0) -> tuple[str, dict[str, Any], np.ndarray, float]:
-    """The section, its keys, the axis, and how far the centre is below the outermost point in the direction of a normal [m].
+    """Returns the section, its keys, the axis, and the depth [m] of the centre below the outermost point in the direction of a normal.
 
-    most: the largest radius and length by the size [m]."""
+    most: the largest radius and length, divided by the size [m]."""
     radius, length = draws.log(0.1, most) * size, draws.log(0.3, most) * size
     across = np.cross(normal, draws.direction())
     across = across / np.sqrt((across**2).sum())
@@ -81,7 +81,7 @@ def solid_at(draws: Draws, size: float, normal: np.ndarray, most: float = 10.0) 
 
 
 def _box(draws: Draws, size: float, normal: np.ndarray, flat: bool) -> tuple[str, dict[str, Any], np.ndarray, float]:
-    """Flat: with a side up; else with a corner."""
+    """Returns a box as solid_at does, with a side up if flat, else with a corner up."""
     sides = [draws.log(0.2, 5.0) * size for _ in "xyz"]
     turn = between_directions(np.array([0.0, 0.0, 1.0]), normal if flat else draws.direction())
     angle = float(np.sqrt((turn**2).sum()))
@@ -95,7 +95,7 @@ OWN_DAMPING = 3_000_000  # added to a seed for the draw of the damping
 
 
 def drawn_damped(seed: int) -> Drawn:
-    """The scene of a seed, of a body with internal damping of 1e-6 to 1e-2 s."""
+    """Returns the scene of a seed with a body that has internal damping of 1e-6 to 1e-2 s."""
     scene = drawn(seed)
     damping = Draws(OWN_DAMPING + seed).log(1e-6, 1e-2)
     material = _softer(scene.document["material"]) | {"internal_damping": damping}

@@ -1,4 +1,4 @@
-"""Scenes drawn at random, of bodies that are finite elements: of one patch or a few, whose nodes or surface meet planes or solids."""
+"""Random scenes of finite-element bodies with one patch or a few. Their nodes or their surface meet planes or solids."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from validation.stability.drawn import Drawn, Draws, Ramp, drawn, masses_and_dam
 from validation.stability.drawn_bodies import drawn_solids, drawn_surface
 
 OWN_ELEMENTS = 4_000_000  # added to a seed for the draws of the elements
-SAG = 0.25  # of its height: so much at most a column sinks under its own weight
-PRESSED = 0.03  # so large a strain at most a load alone makes
-SLENDER = 2.5  # cells of several patches are no longer in one direction than in another
+SAG = 0.25  # largest sag of a column under its own weight, as a fraction of its height
+PRESSED = 0.03  # largest strain from a load alone
+SLENDER = 2.5  # largest ratio of a cell's sides if there are several patches
 
 
 def drawn_elements(seed: int) -> Drawn:
-    """The scene of a seed, of a body of 1e3 to 1e7 Pa and Poisson's ratio 0 to 0.49."""
+    """Returns the scene of a seed with a body of 1e3 to 1e7 Pa and Poisson's ratio 0 to 0.49."""
     draws = Draws(OWN_ELEMENTS + seed)
     scene = draws.one_of((drawn, drawn_surface, drawn_solids))(seed)
     document, size = scene.document, np.array(scene.document["lattice"]["size"])
@@ -44,7 +44,7 @@ def drawn_elements(seed: int) -> Drawn:
 
 
 def _counts(draws: Draws, size: np.ndarray) -> list[int]:
-    """Of control points: one patch, two along the longest side, or seldom eight."""
+    """Returns the numbers of control points of one patch, of two along the longest side, or seldom of eight."""
     kind, longest = draws.one_of("1111111228"), int(size.argmax())
     counts = {"1": [4, 4, 4], "2": [7 if axis == longest else 4 for axis in range(3)], "8": [7, 7, 7]}[kind]
     cells = size / (np.array(counts) - 1)
@@ -52,7 +52,7 @@ def _counts(draws: Draws, size: np.ndarray) -> list[int]:
 
 
 def _louder(ramp: Ramp, factor: float, most: float) -> Ramp:
-    """A load so many times larger, up to a force [N]."""
+    """Returns a load multiplied by a factor, up to a largest force [N]."""
     force = factor * ramp.force
     norm = math.sqrt((force**2).sum())
     return replace(ramp, force=np.round(force * min(1.0, most / norm), 6))

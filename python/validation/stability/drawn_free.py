@@ -1,4 +1,4 @@
-"""Scenes drawn at random, in which a rigid body has a mass of its own: an obstacle that flies at the object, or a part bonded to it."""
+"""Random scenes with a free rigid body that has mass: an obstacle that flies at the object, or a part bonded to the object."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from validation.stability.drawn_bodies import drawn_damped, drawn_solids, drawn_
 from validation.stability.drawn_elements import drawn_elements
 
 OWN_FREE = 5_000_000  # added to a seed for the draws of the free body
-GRIP = 0.05  # of the smallest side: so far at most a part's centre is from that of its points
+GRIP = 0.05  # largest offset of a part's centre from the centroid of its points per axis, by the smallest side
 
 
 def drawn_free(seed: int) -> Drawn:
-    """The scene of a seed, with a free body of 1e-3 to 1e3 of the object's mass."""
+    """Returns the scene of a seed with a free body of 1e-3 to 1e3 times the mass of the object."""
     draws = Draws(OWN_FREE + seed)
     bonded = draws.chance(0.3)
     families = (drawn, drawn_damped, drawn_elements) if bonded else (drawn_surface, drawn_surface, drawn_solids, drawn_elements)
     scene = draws.one_of(families)(seed)
-    if not bonded and scene.surface is None:  # elements whose nodes meet planes
+    if not bonded and scene.surface is None:  # finite elements whose nodes meet planes
         scene = drawn_surface(seed)
-    if bonded and scene.surface is None and scene.planes:  # whose points would meet obstacles
+    if bonded and scene.surface is None and scene.planes:  # the control points would meet obstacles
         scene = drawn_surface(seed)
     total = scene.document["mass"]["total"]
     mass = draws.log(1e-3, 1e3) * total
@@ -32,11 +32,11 @@ def drawn_free(seed: int) -> Drawn:
 
 
 def _obstacle(draws: Draws, scene: Drawn, mass: float) -> Drawn:
-    """A solid that comes at the object from above, or stays where it touches; on a guide or not."""
+    """Returns the scene with a free solid that moves at the object from above, or starts in contact, with or without a guide."""
     document = scene.document
     size = np.array(document["lattice"]["size"]) * document["initial"]["stretch"]
     normal = draws.direction(0.7) if draws.chance(0.6) else draws.direction(0.0)
-    normal = -normal / np.sqrt((normal**2).sum())  # out of the body that is met, towards the object
+    normal = -normal / np.sqrt((normal**2).sum())  # out of the obstacle, towards the object
     clearance = draws.log(1e-4, 0.1) * draws.chance(0.8)
     kind, shape, _, depth = solid_at(draws, float(size.max()), normal, most=1.0)
     middle = size / 2
@@ -60,7 +60,7 @@ def _obstacle(draws: Draws, scene: Drawn, mass: float) -> Drawn:
 
 
 def _part(draws: Draws, scene: Drawn, mass: float) -> Drawn:
-    """A part at a face that nothing else holds."""
+    """Returns the scene with a free part bonded to a face that nothing else holds."""
     document = scene.document
     size = np.array(document["lattice"]["size"])
     held = {pin["points"] for pin in document["pin"]}
@@ -83,7 +83,7 @@ def _part(draws: Draws, scene: Drawn, mass: float) -> Drawn:
 
 
 def _push(draws: Draws, scene: Drawn, name: str, mass: float) -> dict[str, Ramp]:
-    """A force on it of up to its weight and the object's."""
+    """Returns, in some scenes, a force on the free body that is scaled by the masses of free body and object."""
     if not draws.chance(0.3):
         return {}
     most = draws.log(0.1, 10.0) * (mass + scene.document["mass"]["total"])

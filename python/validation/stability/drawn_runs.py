@@ -1,15 +1,15 @@
-"""The runs of a scene drawn at random, what they agree on, and what that says of `auto`.
+"""The runs of a random scene, their agreement, and the resulting verdict on `auto`.
 
 All runs end at the same time, after the same communication steps and inputs:
 
-    asked    auto at the scene's tolerance: the one that is judged
-    tight    auto at a thirtieth of it
+    asked    auto at the scene's tolerance: the run that is judged
+    tight    auto at a thirtieth of that tolerance
     rungs    leapfrog with steps that get four times shorter, from a seventh of the stable step on, as far as the work allows
 
-The truth is the last rung where it agrees with the one before, or with tight, within a third of the tolerance; there the ladder ends.
-Where nothing agrees, the last two rungs still convict asked if it is ten times as far from the last as they part: a rough truth. Of fewer
-than four rungs one more than the work allows has to confirm it. Else there is none: a chaotic motion, or one that would take more work.
-"""
+The truth is the last rung that agrees with the rung before, or with tight, within a third of the tolerance; there the ladder ends. If no
+runs agree, the last two rungs still convict asked if its distance from the last rung is ten times the distance of these rungs: a rough
+truth. With fewer than four rungs, one rung more than the work allows has to confirm the rough truth. Otherwise there is no truth: the
+motion is chaotic, or would take more work."""
 
 from __future__ import annotations
 
@@ -33,27 +33,27 @@ from validation.stability.verdict import STATED, stated_errors
 RUNGS = ("rung 1", "rung 2", "rung 3", "rung 4")
 RUNS = ("asked", "tight", *RUNGS)
 
-TIGHTER = 30.0  # tolerance of asked by that of tight; stable step by that of the second rung
-FINER = 4.0  # a rung's step by that of the next
-AGREED = 1 / 3  # of the tolerance: so far two runs may part that tell the truth
-ROUGH = 0.1  # of the error found: so far two rungs may part that show it all the same
-ALLOWED = 10.0  # of the tolerance: so far asked may be from the truth
+TIGHTER = 30.0  # ratio of the tolerances of asked and tight; ratio of the stable step and the step of the second rung
+FINER = 4.0  # ratio of the steps of a rung and the next rung
+AGREED = 1 / 3  # largest distance of two runs that give the truth, by the tolerance
+ROUGH = 0.1  # largest distance of two rungs that show a rough truth, by the error found
+ALLOWED = 10.0  # largest permitted distance of asked from the truth, by the tolerance
 BEHIND = 1e-12  # penetration that rounding explains, relative to the box
 GAIN = 1.0
-"""Energy out of nothing, relative to what is there: steps near the limit of stability let that of vibrations swing by almost as much."""
+"""Permitted energy gain by the present energy. With steps near the stability limit the energy of vibrations oscillates almost as much."""
 
-WORK = 1.2e9  # springs times steps of a rung at most, some six seconds
-POINT_WORK = 8  # a control point's own work in a step, in units of a spring's
-SURFACE_WORK = 4  # times as much work is a step in which a surface may touch
-NEAREST = 0.25  # of the stable step: the last rung takes no longer one, for friction and resonance feed vibrations there
+WORK = 1.2e9  # most springs times steps of a rung, about six seconds
+POINT_WORK = 8  # work of a control point in a step, in units of the work of a spring
+SURFACE_WORK = 4  # factor of the work of a step in which a surface may touch
+NEAREST = 0.25  # longest step of the last rung by the stable step; friction and resonance excite vibrations nearer to it
 PATIENCE = {"asked": 8.0, "tight": 12.0} | dict.fromkeys(RUNGS, 60.0)  # s
 NOT_NEEDED, NO_MORE = "not needed", "no more work"
 
 VERDICTS = ("right", "stated", "refused", "no truth", "slow", "SILENT", "WRONG")
-"""right: within ten tolerances of the truth. stated: beyond, and a warning has said so with a number. refused: fmi2Discard or fmi2Error,
-the state untouched. no truth: nothing to compare with. slow: no answer within the time. SILENT: beyond, without a word. WRONG: a crash, a
-result that is not finite, a control point behind a plane, energy that has doubled out of nothing, a discarded step that has changed the
-state."""
+"""right: within ten tolerances of the truth. stated: beyond, and a warning has stated the error. refused: fmi2Discard or fmi2Error, with
+an unchanged state. no truth: nothing to compare with. slow: no answer within the time. SILENT: beyond, without a stated error. WRONG: a
+crash, a result that is not finite, a control point behind a plane, energy that has doubled without work, a discarded step that has changed
+the state."""
 FAULTS = ("SILENT", "WRONG")
 
 FAMILIES = {
@@ -64,21 +64,21 @@ FAMILIES = {
     "elements": drawn_elements,
     "free": drawn_free,
 }
-"""What meets obstacles, the control points or the object's own surface, and solid ones; bodies with internal
-damping; finite elements; masses beside any of them"""
+"""Scene functions by family: obstacles meet control points; obstacles, or solid obstacles, meet the surface of the object; bodies with
+internal damping; finite elements; free bodies beside any of these"""
 
 
 @dataclass(frozen=True)
 class Run:
-    """One run: where the control points, or the nodes of finite elements, and points of free bodies are at its end."""
+    """One run: final positions of the control points, or the nodes of finite elements, and of points of free bodies."""
 
-    x: np.ndarray | None  # (n, 3) [m]; None: it did not get there
-    words: str = ""  # why it did not
-    wrong: bool = False  # what it did instead breaks a promise
-    stated: float = 0.0  # the largest error that a warning gave a number for [m]
+    x: np.ndarray | None  # (n, 3) [m]; None: the run did not reach its end
+    words: str = ""  # why the run did not reach its end
+    wrong: bool = False  # the run violated a guarantee
+    stated: float = 0.0  # the largest error stated by a warning [m]
     warnings: tuple[str, ...] = ()
-    methods: tuple[str, ...] = ()  # that took over, each once
-    step: float = math.nan  # of leapfrog, by that of stability
+    methods: tuple[str, ...] = ()  # methods that took over, each once
+    step: float = math.nan  # step of leapfrog by the stable step
     internal_steps: int = 0
     run_time: float = 0.0  # s
 
@@ -89,21 +89,21 @@ class Job:
 
     seed: int
     run: str  # one of RUNS
-    family: str = "lattice"  # of scenes: one of FAMILIES
+    family: str = "lattice"  # one of FAMILIES
 
     @property
     def scene(self) -> Drawn:
-        """What the seed means."""
+        """Scene of the seed"""
         return FAMILIES[self.family](self.seed)
 
 
 def patience(job: Job) -> float:
-    """How long a run may take [s]."""
+    """Returns the time limit of a run [s]."""
     return PATIENCE[job.run]
 
 
 def run_jobs(jobs: Sequence[Job]) -> Iterator[Run]:
-    """Runs in their order, those of a scene together."""
+    """Yields the runs in the order of the jobs. The runs of a scene share one drive."""
     for _, several in groupby(jobs, lambda job: job.seed):
         group = list(several)
         scene = group[0].scene
@@ -140,13 +140,13 @@ def _run(drive: Drive, scene: Drawn, which: str, found: dict[str, Run]) -> Run:
 
 
 def _convicts(drive: Drive, scene: Drawn, found: dict[str, Run]) -> bool:
-    """Whether the last two rungs show an error: of a chaotic motion both may be on another branch, which a finer one tells."""
+    """True if the last two rungs show an error. In a chaotic motion both may be on another branch, which a finer rung reveals."""
     asked, done = found.get("asked"), [found[name] for name in RUNGS if name in found and found[name].x is not None]
     return asked is not None and asked.x is not None and len(done) > 1 and convicted(scene, drive.side, asked, *done[-2:])
 
 
 def ladder(drive: Drive, scene: Drawn) -> list[float]:
-    """Steps of the rungs, relative to the stable one of the start; none where the work does not allow two."""
+    """Returns the steps of the rungs, relative to the stable step at the start; none if the work does not allow two rungs."""
     drive.restart({}, scene.duration)
     work = (len(drive.body.pairs) + POINT_WORK * len(drive.mass)) * (SURFACE_WORK if scene.surface else 1)
     least = scene.duration * work / WORK / drive.value("solver.stable_step")
@@ -159,7 +159,7 @@ def ladder(drive: Drive, scene: Drawn) -> list[float]:
 
 
 def _followed(drive: Drive, scene: Drawn, settings: dict[str, Any], tolerance: float, began: float, *, watched: bool = False) -> Run:
-    """The scene to its end; watched: also that energy does not come from nowhere."""
+    """Runs the scene to its end and checks its guarantees. watched: the energy gain is checked, too."""
     try:
         drive.restart(settings, scene.duration, tolerance=tolerance)
         scale = abs(drive.start_energy) + drive.mass.sum() * GRAVITY * drive.side
@@ -181,7 +181,7 @@ def _followed(drive: Drive, scene: Drawn, settings: dict[str, Any], tolerance: f
 
 
 def _broken(drive: Drive, scene: Drawn) -> str:
-    """The promise that the state at a communication point breaks; nothing for none."""
+    """Returns the guarantee that the state at a communication point violates, or an empty text."""
     if not drive.finite():
         return f"not finite at {drive.time:.3g} s"
     free = drive.touching
@@ -197,7 +197,7 @@ def _broken(drive: Drive, scene: Drawn) -> str:
 
 
 def _grown(drive: Drive, scale: float) -> str:
-    """The energy that comes from nowhere, if it is more than that of the scene [J] and has not been warned of; nothing otherwise."""
+    """Returns a text about the energy gain if it exceeds the energy of the scene [J] and no warning reports it, else an empty text."""
     gain = drive.balance() / (scale + abs(drive.value("energy.work")))
     return (
         f"energy has grown out of nothing by {gain:.1e} of its own at {drive.time:.3g} s"
@@ -207,26 +207,26 @@ def _grown(drive: Drive, scale: float) -> str:
 
 
 def distance(one: Run | None, other: Run | None) -> float:
-    """The largest distance between the same point of two runs [m]; NaN where there is one missing."""
+    """Returns the largest distance between the same points of two runs [m], or NaN if a run is missing."""
     if one is None or other is None or one.x is None or other.x is None:
         return math.nan
     return float(np.linalg.norm(one.x - other.x, axis=1).max())
 
 
 def agree(scene: Drawn, side: float, one: Run | None, other: Run | None) -> bool:
-    """Whether two runs tell the same."""
+    """True if two runs agree within AGREED tolerances. side: largest side of the box [m]."""
     return distance(one, other) <= AGREED * scene.tolerance * side
 
 
 def truth_of(scene: Drawn, side: float, found: dict[str, Run]) -> tuple[str, str] | None:
-    """The names of two runs that agree, the one that counts first; None: there is no truth."""
+    """Returns the names of two runs that agree, the one that counts as the truth first, or None if there is no truth."""
     done = [name for name in RUNGS if name in found and found[name].x is not None]
     pairs = [(name, other) for place, name in enumerate(done) for other in (*done[max(0, place - 1) : place], "tight")]
     return next((pair for pair in reversed(pairs) if agree(scene, side, found[pair[0]], found.get(pair[1]))), None)
 
 
 def convicted(scene: Drawn, side: float, asked: Run, before: Run, last: Run) -> bool:
-    """Whether two rungs show an error beyond doubt, though they do not agree."""
+    """True if two rungs that do not agree still show a certain error."""
     error = distance(asked, last)
     return error > 2 * ALLOWED * scene.tolerance * side and distance(before, last) <= ROUGH * error
 
@@ -237,23 +237,23 @@ class Judged:
 
     scene: Drawn
     verdict: str  # one of VERDICTS
-    error: float = math.nan  # of asked, in tolerances
-    stated: float = 0.0  # by a warning of asked, in tolerances
-    tight_error: float = math.nan  # of tight, in tolerances of asked
+    error: float = math.nan  # error of asked, in tolerances
+    stated: float = 0.0  # error stated by a warning of asked, in tolerances
+    tight_error: float = math.nan  # error of tight, in tolerances of asked
     truth: str = ""  # the two runs that agree
-    apart: float = math.nan  # how far these two part, or without a truth the last two rungs, in tolerances
-    rough: bool = False  # whether the truth is a rough one
+    apart: float = math.nan  # distance of these two runs, or without a truth of the last two rungs, in tolerances
+    rough: bool = False  # True if the truth is a rough truth
     words: str = ""
     runs: dict[str, Run] | None = None
 
     @property
     def run_time(self) -> float:
-        """Of all runs [s]."""
+        """Run time of all runs [s]"""
         return sum(run.run_time for run in (self.runs or {}).values())
 
 
 def judge(scene: Drawn, results: Sequence[Run | Lost]) -> Judged:
-    """The verdict on the runs of a scene, in the order of RUNS."""
+    """Returns the verdict on the runs of a scene, which are in the order of RUNS."""
     asked = results[0]
     side = max(scene.document["lattice"]["size"])
     unit = scene.tolerance * side

@@ -1,4 +1,4 @@
-"""Scenes drawn at random, run on several processes, and the table of verdicts."""
+"""Runs random scenes on several processes and writes the table of verdicts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from validation.stability.drawn_runs import FAULTS, RUNGS, RUNS, VERDICTS, Job, 
 
 COMMAND = "python3 python/run.py random"
 TOGETHER = 4  # scenes that a process runs one after the other
-SHOWN = 20  # faults that are told one by one on stderr
+SHOWN = 20  # faults that are listed on stderr
 
 COLUMNS = (
     "seed", "verdict", "rough", "error_tolerances", "stated_tolerances", "tight_error_tolerances", "truth", "apart_tolerances", "last_rung",
@@ -28,11 +28,11 @@ COLUMNS = (
 
 @dataclass
 class Lot:
-    """The scenes of some seeds, and what has come of them so far."""
+    """The scenes of some seeds, and the verdicts so far."""
 
     seeds: list[int]
     judged: dict[int, Judged] = field(default_factory=dict)
-    family: str = "lattice"  # of scenes
+    family: str = "lattice"  # family of the scenes
 
     @property
     def missing(self) -> list[int]:
@@ -40,12 +40,12 @@ class Lot:
         return [seed for seed in self.seeds if seed not in self.judged]
 
     def faults(self) -> list[Judged]:
-        """The worst first."""
+        """Returns the faults, the worst first."""
         found = [judged for judged in self.judged.values() if judged.verdict in FAULTS]
         return sorted(found, key=lambda judged: -judged.error if judged.error == judged.error else -math.inf)
 
     def summary(self) -> str:
-        """Numbers of verdicts, and how many of the scenes with a truth failed silently."""
+        """Returns a text with the numbers of verdicts and the fraction of silent failures among the scenes with a truth."""
         counts = Counter(judged.verdict for judged in self.judged.values())
         known = [judged for judged in self.judged.values() if judged.truth and not judged.rough]
         silent = sum(judged.verdict == "SILENT" for judged in known)
@@ -59,11 +59,11 @@ class Lot:
 def report_random(
     folder: Path, number: int, seed: int, *, family: str = "lattice", processes: int = 1, note: Note = silent, say: Note = print
 ) -> Lot:
-    """Runs the scenes of the seeds from `seed` on, so many, and keeps random.csv and random.json in `folder`.
+    """Runs `number` scenes with the seeds from `seed` on and writes random.csv and random.json to `folder`.
 
-    family: of scenes, one of FAMILIES. processes: scenes at a time. note: told how far it is; say: told each verdict but "right" and "no
-    truth", and the summary. Raises SoftffdError in the end if there is a fault; KeyboardInterrupt on Ctrl-C once the table of what is done
-    is kept.
+    family: of the scenes, one of FAMILIES. processes: number of scenes at a time. note: receives the progress. say: receives each verdict
+    except "right" and "no truth", and the summary. Raises SoftffdError at the end if there is a fault, and KeyboardInterrupt on Ctrl-C
+    after the table of the finished scenes is written.
     """
     for name, value, least in (("number of scenes", number, 1), ("--seed", seed, 0)):
         if value < least:
@@ -90,7 +90,7 @@ def report_random(
 
 
 def run(lot: Lot, processes: int) -> Iterator[Judged]:
-    """Fills the lot; yields each scene as it is judged."""
+    """Runs the scenes, fills the lot, and yields each scene when it is judged."""
     jobs = [Job(seed, run, lot.family) for seed in lot.seeds for run in RUNS]
     runs: dict[int, list[Any]] = {seed: [] for seed in lot.seeds}
     for job, result in guarded(run_jobs, jobs, patience, processes, TOGETHER * len(RUNS)):
@@ -101,7 +101,7 @@ def run(lot: Lot, processes: int) -> Iterator[Judged]:
 
 
 def line(judged: Judged) -> str:
-    """A scene in a line."""
+    """Returns a line of text about a scene and its verdict."""
     error = f" error {judged.error:.3g} tolerances," if judged.error == judged.error else ""
     stated = f" stated {judged.stated:.2g}," if judged.stated else ""
     words = f": {judged.words[:200]}" if judged.words and judged.verdict in ("WRONG", "refused", "no truth", "slow") else ""

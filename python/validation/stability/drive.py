@@ -1,4 +1,4 @@
-"""A scene's FMU under test: stepped as a host steps it, and looked at with mechanics of its own, written in numpy."""
+"""A scene's FMU under test, stepped as by a host and evaluated with independent mechanics in numpy."""
 
 from __future__ import annotations
 
@@ -38,7 +38,9 @@ Vector = Sequence[float] | np.ndarray
 def box(
     stiffness: float = 1e3, damping: float = 0.0, *, points: tuple[int, int, int] = (4, 4, 4), method: str = "auto", **sections: Any
 ) -> dict[str, Any]:
-    """A box of 1 m and 1 kg with springs of one stiffness [N/m] and a damping of each control point [N s/m]; other sections as given."""
+    """Returns the document of a box of 1 m and 1 kg with springs of one stiffness [N/m] and a damping of each control point [N s/m].
+
+    sections: further sections, merged into the document."""
     document: dict[str, Any] = {
         "lattice": {"points": list(points)},
         "material": {"stiffness": stiffness, "damping": damping},
@@ -50,32 +52,32 @@ def box(
 
 
 def plane(name: str = "ground", *, point: Vector = ORIGIN, normal: Vector = Z, friction: float = 0.0, **motion: Any) -> dict[str, Any]:
-    """An obstacle. motion: `motion` and `inputs` of a plane that inputs move."""
+    """Returns the section of an obstacle plane. motion: keys `motion` and `inputs` of a plane moved by inputs."""
     return {"name": name, "point": list(point), "normal": list(normal), "friction": friction, **motion}
 
 
 def tilted(degrees: float) -> dict[str, Any]:
-    """Gravity of a world in which the plane z = 0 is an incline."""
+    """Returns the gravity with which the plane z = 0 acts as an incline."""
     angle = math.radians(degrees)
     return {"gravity": [GRAVITY * math.sin(angle), 0.0, -GRAVITY * math.cos(angle)]}
 
 
 class Refused(Exception):
-    """The component answered fmi2Discard or fmi2Error; the text is its message."""
+    """Raised if the component returns fmi2Discard or fmi2Error. The text is the message of the component."""
 
 
 class StateTouched(Exception):
-    """The component discarded a step but did not leave the state as it was."""
+    """Raised if the component discards a step but changes the state."""
 
 
 class Drive:
-    """One scene from its start on. Use as a context manager.
+    """One run of a scene from the start. Use as a context manager.
 
-    `impulse` (3,) [N s] is what planes and pins have given to the object since the start.
+    `impulse` (3,) [N s] is the impulse of planes and pins on the object since the start.
 
-    document: a scene, or what its TOML file would give; all positions, velocities, reactions, energies and solver outputs are added.
-    settings: start values by variable name. surface: the object's, in the lattice's box, where obstacles meet it. Raises SceneError for a
-    scene that cannot be, Refused where the FMU does not start.
+    document: a scene, or the content of its TOML file; all positions, velocities, reactions, energies and solver outputs are added.
+    settings: start values by variable name. surface: surface of the object, in the box of the lattice, for contact with obstacles. Raises
+    SceneError for an invalid scene, Refused if the FMU does not start.
     """
 
     def __init__(self, document: Mapping[str, Any] | Scene, settings: Mapping[str, Any] | None = None, *, surface: Shape | None = None):
@@ -109,25 +111,27 @@ class Drive:
         self.start_angular_momentum = self.angular_momentum
 
     def restart(self, settings: Mapping[str, Any], stop_time: float | None = None, *, tolerance: float | None = None) -> None:
-        """From the start again, with other start values; stop_time [s]: what the host says of the end, for which the tolerance holds.
+        """Restarts the run with other start values. stop_time: end of the run as stated by the host [s], for which the tolerance holds.
 
-        tolerance: the host's, relative to the largest side of the box; the scene's own by default.
+        tolerance: of the host, relative to the largest side of the box; by default the tolerance of the scene.
         """
         with _refusals():
             self.simulation.restart(start_values=settings, stop_time=stop_time, tolerance=tolerance)
         self._start()
 
     def set(self, **vectors: Any) -> None:
-        """Sets inputs: names with two underscores for a dot, values for all components: plane__lid__point=(0, 0, 1)."""
+        """Sets inputs by names with two underscores for a dot and values of all components: plane__lid__point=(0, 0, 1)."""
         for name, values in vectors.items():
             self._block(name.replace("__", ".")).set(values)
 
     def set_rates(self, name: str, rates: Any) -> None:
-        """Time derivatives of an input vector, for the next step."""
+        """Sets the time derivatives of an input vector for the next step."""
         self._block(name).set_rates(rates)
 
     def step(self, length: float) -> None:
-        """One communication step [s]. Refused with the component's message; StateTouched when a discarded step has changed something."""
+        """Makes one communication step of this length [s].
+
+        Raises Refused with the component's message, and StateTouched if a discarded step has changed the state."""
         before = self.x, self.v
         try:
             self.simulation.step(length)
@@ -139,7 +143,7 @@ class Drive:
             self.impulse -= self.reaction(fixture) * length
 
     def run(self, duration: float, step: float, each: Callable[[], None] | None = None, inputs: Inputs | None = None) -> None:
-        """Steps of one length for a time [s]; each: called after every step; inputs: go linearly from step to step."""
+        """Makes steps of one length [s] for a duration [s]. each: called after every step; inputs: vary linearly from step to step."""
         if inputs:
             inputs.derive_only({variable.name for variable in self.simulation.component.variables("input")})
         given, driven = (self.simulation.block(names) for names in _input_names(inputs))
@@ -152,7 +156,7 @@ class Drive:
                 each()
 
     def net_force(self) -> np.ndarray:
-        """Forces of the springs on the points (n, 3) [N], by numpy."""
+        """Returns the spring forces on the points (n, 3) [N], computed in numpy."""
         assert self._patches is None
         return self.body.spring_force(self.x)
 
@@ -160,93 +164,94 @@ class Drive:
         return np.array_equal(self.x, x) and np.array_equal(self.v, v)
 
     def _block(self, name: str) -> Block:
-        """The kept block of a number or a vector."""
+        """Returns the cached block of a scalar or vector variable."""
         if name not in self._blocks:
             self._blocks[name] = self.simulation.block([name])
         return self._blocks[name]
 
     @property
     def time(self) -> float:
-        """s"""
+        """Time [s]"""
         return self.simulation.time
 
     @property
     def x(self) -> np.ndarray:
-        """Control points (n, 3) [m]."""
+        """Positions of the control points (n, 3) [m]"""
         return self._x.get().reshape(-1, 3).copy()
 
     @property
     def v(self) -> np.ndarray:
-        """Their velocities (n, 3) [m/s]."""
+        """Velocities of the control points (n, 3) [m/s]"""
         return self._v.get().reshape(-1, 3).copy()
 
     @property
     def material_points(self) -> np.ndarray:
-        """What has the mass (n, 3) [m]: control points, or the nodes of a solid."""
+        """Positions (n, 3) [m] of the points with mass: control points, or the nodes of a solid"""
         return self._material_points(self.x)
 
     def _material_points(self, values: np.ndarray) -> np.ndarray:
-        """What they have (n, 3), of that of control points."""
+        """Returns the values (n, 3) at the points with mass from the values (n, 3) at control points."""
         return values if self._patches is None else to_flat(node_positions(to_grid(values, self.scene.lattice_box.points)))
 
     @property
     def touching(self) -> np.ndarray:
-        """What obstacles meet (n, 3) [m]: control points, nodes of a solid, or points of the surface."""
+        """Positions (n, 3) [m] of the points that obstacles meet: control points, nodes of a solid, or points of the surface"""
         return self.material_points if self._samples is None else self._samples.deform(to_grid(self.x, self.scene.lattice_box.points))
 
     def reaction(self, plane: str) -> np.ndarray:
-        """Mean force of the object on a plane or pin over the last step (3,) [N]; name as in the FMU: "plane.ground"."""
+        """Returns the mean force (3,) [N] of the object on a plane or pin over the last step. plane: name as in the FMU, "plane.ground"."""
         return self._block(f"{plane}.reaction").get().copy()
 
     def value(self, name: str) -> float:
-        """A scalar output."""
+        """Returns a scalar output."""
         return float(self._block(name).get()[0])
 
     @property
     def warned(self) -> str:
-        """The component's warnings so far, in one text."""
+        """Warnings of the component so far, joined into one text"""
         return "; ".join(self.simulation.warnings)
 
     @property
     def centre(self) -> np.ndarray:
-        """Centre of mass (3,) [m]."""
+        """Centre of mass (3,) [m]"""
         return self.mass @ self.material_points / self.mass.sum()
 
     @property
     def momentum(self) -> np.ndarray:
-        """(3,) kg m/s"""
+        """Momentum (3,) [kg m/s]"""
         return self.mass @ self._material_points(self.v)
 
     @property
     def angular_momentum(self) -> np.ndarray:
-        """About the centre of mass (3,) [kg m2/s]."""
+        """Angular momentum about the centre of mass (3,) [kg m2/s]"""
         x, v = self.material_points, self._material_points(self.v)
         return self.mass @ np.cross(x - self.centre, v - self.momentum / self.mass.sum())
 
     def energy(self) -> float:
-        """Kinetic, elastic and gravity energy of the body and the free ones as they are now [J], by numpy and not by the FMU's energies."""
+        """Returns the present kinetic, elastic and gravity energy [J] of the object and the free bodies, by numpy and not by the FMU."""
         x, v = self.material_points, self._material_points(self.v)
         elastic = self.body.elastic_energy(x) if self._patches is None else float(self._patches.energy(x))
         gravity = np.array(self.scene.environment.gravity or (0.0, 0.0, 0.0))
         return self.body.kinetic_energy(v) + elastic - float(self.mass @ (x @ gravity)) + self.free.energy()
 
     def balance(self) -> float:
-        """What the FMU's own energies miss: now, with what was dissipated and less the work, minus the start [J]."""
+        """Returns the energy imbalance [J]: present energy plus the FMU's dissipated energy, minus the FMU's work and the start energy."""
         return self.energy() + self.value("energy.dissipated") - self.value("energy.work") - self.start_energy
 
     def missing_momentum(self) -> np.ndarray:
-        """What planes, pins, weight and damping (all points alike) have not given since the start (3,) [kg m/s]."""
+        """Returns the change of momentum since the start (3,) [kg m/s] that planes, pins, weight and damping do not explain. The damping is
+        taken as equal at all points."""
         weight = self.mass.sum() * np.array(self.scene.environment.gravity or (0.0, 0.0, 0.0))
         damped = self.body.damping.sum() * (self.centre - self.start_centre)
         return self.momentum - self.start_momentum - self.impulse - weight * self.time + damped
 
     def turning_change(self) -> float:
-        """Change of the angular momentum since the start, relative."""
+        """Returns the relative change of the angular momentum since the start."""
         before = self.start_angular_momentum
         return float(np.linalg.norm(self.angular_momentum - before) / np.linalg.norm(before))
 
     def finite(self) -> bool:
-        """Whether all positions and velocities are numbers."""
+        """True if all positions and velocities are finite."""
         return bool(np.isfinite(self.x).all() and np.isfinite(self.v).all())
 
     def close(self) -> None:
@@ -265,13 +270,13 @@ def _refusals() -> Iterator[None]:
     try:
         yield
     except UnknownName:
-        raise  # the survey's own fault, no refusal
+        raise  # a fault of the survey, not a refusal
     except FmuError as error:
         raise Refused(str(error)) from None
 
 
 def _input_names(inputs: Inputs | None) -> tuple[list[str], list[str]]:
-    """All that are set, and those of them that the source gives itself."""
+    """Returns the names of all inputs that are set, and of those inputs that the source gives directly."""
     return ([*inputs.names, *inputs.derived_names], inputs.names) if inputs else ([], [])
 
 
@@ -283,7 +288,7 @@ def _observed(document: Mapping[str, Any] | Scene) -> Scene:
 
 
 def _of_surface(document: Mapping[str, Any] | Scene, surface: Shape) -> Scene:
-    """A scene whose object has this surface, which obstacles meet."""
+    """Returns a scene whose object has this surface, with contact between surface and obstacles."""
     assert isinstance(document, Mapping)
     with TemporaryDirectory() as folder:
         mesh = {"file": write(Path(folder) / "surface.obj", surface)}

@@ -1,4 +1,4 @@
-"""The free bodies of a scene under test, by their outputs: where they are, and what energy they have."""
+"""The free bodies of a scene under test. Their outputs give positions and energies."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from softffd.scene.scene import Scene
 
 
 class FreeBodies:
-    """Those of a scene, obstacles first; block: of the variables of a name."""
+    """The free bodies of a scene, obstacles first. block: returns the block of the variables with a name."""
 
     def __init__(self, scene: Scene, block: Callable[[str], Block]):
         solids = [each for each in scene.obstacles if isinstance(each, Solid) and each.motion == "free"]
@@ -31,21 +31,21 @@ class FreeBodies:
         return self._block(f"{name}.{what}").get().copy()
 
     def axes(self, name: str) -> np.ndarray:
-        """Its own (3, 3), in rows."""
+        """Returns the axes of a free body as rows (3, 3)."""
         return matrices(self._get(name, "orientation")[None])[0].T
 
     def place(self, name: str) -> np.ndarray:
-        """Of its centre (3,) [m]."""
+        """Returns the position of the centre of a free body (3,) [m]."""
         return self._get(name, "position")
 
     @property
     def marks(self) -> np.ndarray:
-        """Of each its centre and points on its three axes, half the largest side of the object's box away (4 n, 3) [m]."""
+        """Positions (4 n, 3) [m]: for each body the centre, and a point on each axis at half the largest side of the object's box."""
         each = [self.place(name) + self._reach * np.vstack([np.zeros(3), self.axes(name)]) for name in self.names]
         return np.concatenate(each) if each else np.zeros((0, 3))
 
     def energy(self) -> float:
-        """Kinetic, and of their weight [J]."""
+        """Returns the kinetic and gravity energy of all free bodies [J]."""
         total = 0.0
         for name, mass, inertia, guided in zip(self.names, self._mass, self._inertia, self._guided, strict=True):
             velocity = self._get(name, "velocity")

@@ -1,18 +1,18 @@
-"""The map: stiffness against communication step, each cell run through the FMU and judged by an exact solution.
+"""The map: stiffness against communication step. Each cell is run with the FMU and judged by an exact solution.
 
-Four scenes are a box of 2 x 2 x 2 points, 1 m, 1 kg, all springs of stiffness k, undamped:
+Four scenes are a box of 2 x 2 x 2 points, 1 m, 1 kg, with all springs of stiffness k, undamped:
 
-vibration   released from a stretch of 1 % along every axis. By the cube's symmetry the box keeps its shape for ever: the points are at
-            centre + s (rest - centre) with s = 1 + 0.01 cos(omega t), omega = 8 sqrt(k / (1 kg)), exactly, at any amplitude; and
-            this is the lattice's highest frequency. Every method has to resolve it, or to say that it does not.
-damping     the same with dashpots along the springs, tau omega from 0.01 to 1000: all points keep to one line, so that s is the damped
-            oscillator's exactly. Strong damping lets it creep.
-rotation    set spinning at 1 rad/s without a stress. Exactly: angular momentum and energy stay what they are.
-contact     resting on a plane that is drawn away under it with friction, under gravity g = min(9.81 m/s2, k / (50 kg)), which a soft box
-            can carry, and slightly damped. Exactly: the friction impulse is mu times the normal one; momentum is what the impulses,
-            gravity and damping make it; the centre sinks by the static sag in the end, and on the way not much beyond twice of it.
+vibration   The box is released from a stretch of 1 % along every axis. By the cube's symmetry the box keeps its shape: the points are
+            exactly at centre + s (rest - centre) with s = 1 + 0.01 cos(omega t), omega = 8 sqrt(k / (1 kg)), at any amplitude. omega is
+            the lattice's highest frequency. Every method has to resolve the vibration, or to report that it does not.
+damping     The same box has dashpots along the springs, tau omega from 0.01 to 1000. Every point moves on one line, so that s is exactly
+            that of the damped oscillator. Strong damping makes the box creep.
+rotation    The box spins at 1 rad/s without stress. Angular momentum and energy are exactly constant.
+contact     The slightly damped box rests on a plane that is drawn away under it with friction, under gravity g = min(9.81 m/s2,
+            k / (50 kg)), which a soft box can carry. Exactly: the friction impulse is mu times the normal impulse; impulses, gravity and
+            damping give the momentum; the centre finally sinks by the static sag, and before not much beyond twice the static sag.
 
-Beside it the border of the raw explicit scheme, the central difference of eq. (13) without anybody to divide its steps, is measured.
+The module also measures the border of the raw explicit scheme, the central difference of eq. (13) without division of steps.
 """
 
 from __future__ import annotations
@@ -39,11 +39,11 @@ TURNED = 1e-3  # relative error of angular momentum and energy that counts as ac
 
 FRICTION, GRAVITY = 0.4, 9.81
 DAMPING = 0.4  # damping rate of the contact scene in units of sqrt(k / (1 kg)): a few per cent of the critical one
-SETTLED = 12.0  # damping rate times time from which on the box has to have come to rest
+SETTLED = 12.0  # damping rate times time after which the box must be at rest
 
 MOMENTUM, LOOSE = 1e-3, 20.0
-"""Limits of soundness: missing momentum, relative to that of the weight (damping makes it an integration error); inner energy, relative to
-weight times static sag."""
+"""Limits of soundness: missing momentum relative to the impulse of the weight (with damping an integration error), and inner energy
+relative to weight times static sag."""
 
 RIGHT = 10 * TOLERANCE  # error of a position that counts as accurate [m]
 SLIDE = 1e-3  # relative error of the friction impulse that counts as accurate
@@ -51,7 +51,7 @@ BEHIND = 1e-12  # penetration that rounding explains, relative to the box
 
 
 def run_cells(cells: Sequence[Cell]) -> Iterator[Judged]:
-    """Runs cells one after the other, each in the scene of its panel."""
+    """Runs cells one after the other, each in the scene of its panel, and yields the results."""
     for scene, some in groupby(cells, lambda cell: cell.panel.scene):
         with Drive(document(scene)) as drive:
             for cell in some:
@@ -66,7 +66,7 @@ def run_cells(cells: Sequence[Cell]) -> Iterator[Judged]:
 
 
 def document(scene: str) -> dict[str, Any]:
-    """The scene of a panel."""
+    """Returns the document of a panel's scene."""
     if scene == "rebound":
         return rebound.DOCUMENT
     box = {"lattice": {"points": [2, 2, 2]}, "material": {"stiffness": 1.0, "damping": 1.0 if scene == "contact" else 0.0}}
@@ -83,7 +83,7 @@ def document(scene: str) -> dict[str, Any]:
 
 
 def _oscillation(ratio: float, phase: float) -> float:
-    """What is left of a unit stretch, let go at rest, at omega t = phase."""
+    """Returns the remaining part of a unit stretch at omega t = phase, after release from rest. ratio: twice the damping ratio."""
     damping = ratio / 2
     if damping < 1:
         root = math.sqrt(1 - damping**2)
@@ -162,7 +162,8 @@ def _contact(trial: Trial) -> Judged:
 
 
 def _contact_judged(trial: Trial, found: dict[str, float]) -> Judged:
-    """Sound: none behind the plane, momentum balances, the inner energy stays below twenty times what the weight brings in."""
+    """Returns the verdict on the contact scene. A run is sound if no point is behind the plane, momentum balances, and the inner energy
+    stays below twenty times weight times static sag."""
     published = trial.cell.panel.method == "central_difference"
     words = ", ".join(f"{name} {value:.1e}" for name, value in found.items())
     error = found["slide"]
@@ -177,7 +178,7 @@ def _contact_judged(trial: Trial, found: dict[str, float]) -> Judged:
 
 
 def _inner_energy(drive: Drive) -> float:
-    """Elastic energy and that of the motion about the centre [J]."""
+    """Returns the elastic energy plus the kinetic energy of the motion about the centre [J]."""
     return drive.body.elastic_energy(drive.x) + drive.body.kinetic_energy(drive.v - drive.momentum / drive.mass.sum())
 
 
@@ -186,14 +187,14 @@ SCENES = {"vibration": _vibration, "damping": _vibration, "rotation": _rotation,
 
 @cache
 def unit_sag() -> float:
-    """Static sag of the centre of the box on a plane for a gravity of 1 m/s2 and a stiffness of 1 N/m, by the linear theory [m]."""
+    """Returns the static sag [m] of the centre of the box on a plane by linear theory, for a gravity of 1 m/s2 and a stiffness of 1 N/m."""
     with Drive(document("contact")) as drive:
         return static_sag(drive)
 
 
-STEPS = 2000  # of one trial
+STEPS = 2000  # steps of one trial
 NOISE = 1e-9  # disturbance of the rest shape, m
-GROWN = 1e3  # a disturbance that has grown so much grows for ever: below the border it stays within about ten times itself
+GROWN = 1e3  # growth of a disturbance that counts as unbounded; below the border a disturbance grows to about ten times at most
 
 
 @dataclass(frozen=True)
@@ -208,7 +209,7 @@ class Border:
 
 
 def borders(stiffnesses: Sequence[float], rounds: int = 14) -> list[Border]:
-    """For the box of the map, at rest; each bisection within 2^-rounds of its start, a factor of 4."""
+    """Returns the borders of the box of the map at rest. Each bisection narrows a factor of 4 to 2^-rounds of it."""
     found = []
     with Drive(document("vibration") | {"initial": {}}) as drive:
         for stiffness in stiffnesses:
@@ -231,7 +232,7 @@ def _bisected(theory: float, rounds: int, beyond: Callable[[float], bool]) -> fl
 
 
 def grows(body: Body, rest: np.ndarray, h: float) -> bool:
-    """Whether a small disturbance of the rest shape grows without end in leapfrog with the step h [s]."""
+    """True if a small disturbance of the rest shape grows without bound in leapfrog with the step h [s]."""
     noise = NOISE * np.random.default_rng(0).standard_normal(rest.shape)
     x, v = rest + noise, np.zeros_like(rest)
     for _ in range(STEPS):

@@ -1,4 +1,4 @@
-"""The map's rebound: a box that falls flat and is thrown off, judged by its flight according to numpy."""
+"""The rebound of the map: a box that falls flat and rebounds, judged by the flight computed in numpy."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from validation.stability.cell import GAIN, STATED, Judged, Trial
 from validation.stability.drive import DOWN, box, plane
 from validation.stability.verdict import stated_errors
 
-FALL, FALL_TIME = 0.2, 0.4  # height [m] and length of the run [s]: it has not come down again
-TOLERANCE, RIGHT = 1e-4, 3e-4  # tolerance, relative to the box; error of the centre's place that counts as accurate [m]
+FALL, FALL_TIME = 0.2, 0.4  # height [m] and length of the run [s], at whose end the box has not come down again
+TOLERANCE, RIGHT = 1e-4, 3e-4  # tolerance relative to the box; largest accurate error of the centre [m]
 STIFFNESSES = tuple(10.0**n for n in range(4, 11))  # N/m
 STEPS = (1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2)  # s
-PATIENCE = 3.5  # of a cell [s]: it counts at its end only
+PATIENCE = 3.5  # time of a cell [s], longer than elsewhere because only the end of the run counts
 
 DOCUMENT: dict[str, Any] = box(
     1.0, plane=[plane(friction=0.4)], environment=DOWN, initial={"offset": [0.0, 0.0, FALL]},
     solver={"tolerance": TOLERANCE, "error_estimate": True},
 )  # fmt: skip
-"""With a stiffness of 1 N/m, which the cells change."""
+"""Document of the box, with a stiffness of 1 N/m, which the cells change."""
 
 
 def rebound(trial: Trial) -> Judged:
-    """The verdict on a cell, whose run is made here."""
+    """Runs a cell and returns its verdict."""
     drive, step = trial.drive, trial.cell.step
     trial.patience = PATIENCE
     trial.wanted = max(1, round(FALL_TIME / step))
@@ -52,5 +52,5 @@ def rebound(trial: Trial) -> Judged:
 
 @cache
 def _flight(stiffness: float, time: float) -> Flight:
-    """Of the box of the rebound at a time [s], by numpy."""
+    """Returns the flight of the box after the rebound at a time [s], computed in numpy."""
     return after_impact(DOCUMENT | {"material": {"stiffness": stiffness, "damping": 0.0}}, time)

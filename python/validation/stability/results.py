@@ -1,6 +1,6 @@
-"""A survey is run and kept in files: a table, a document with all checks, and pictures of the map.
+"""Runs a survey and writes its files: a table, a document with all checks, and pictures of the map.
 
-A picture has a small chart per method: stiffness to the right, communication step upwards, a colour for each class of cells.
+A picture has a small chart per method, with stiffness to the right, communication step upwards, and a colour for each class of cells.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ TITLES = {
 
 
 def pictures(survey: Survey) -> dict[str, bytes]:
-    """PNGs by file stem, one for each kind of panel that has results."""
+    """Returns PNGs by file stem, one for each kind of panel that has results."""
     found = {}
     for (scene, given), title in TITLES.items():
         panels = [panel for panel in survey.panels if (panel.scene, panel.given) == (scene, given)]
@@ -129,7 +129,7 @@ PER_ROW = 4
 
 
 def map_picture(survey: Survey, panels: Sequence[Panel], title: str) -> bytes:
-    """PNG of these panels, with the line H = 2 / omega where it is that of their box, and the border of the raw scheme on it."""
+    """Returns a PNG of these panels. Panels over the stiffness of the map's box show the line H = 2 / omega and the raw scheme's border."""
     rows = math.ceil(len(panels) / PER_ROW)
     height = 1.3 + 2.85 * rows
     figure = new_figure(13.0, height, dpi=110)
@@ -172,7 +172,7 @@ def _chart(axes: Any, survey: Survey, panel: Panel, *, first: bool) -> None:
 
 
 def _border(axes: Any, survey: Survey) -> None:
-    """Where the explicit scheme of the box of 2 x 2 x 2 points ends."""
+    """Draws the stability limit of the explicit scheme for the box of 2 x 2 x 2 points."""
     line = np.array(axes.get_xlim())
     axes.plot(line, [math.log10(2 / omega(10.0**value)) for value in line], color=INK, linewidth=1.4, label="H = 2 / omega")
     axes.plot(np.log10([border.stiffness for border in survey.borders]), np.log10([border.raw for border in survey.borders]), "o",
@@ -180,7 +180,7 @@ def _border(axes: Any, survey: Survey) -> None:
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:
-    """Borders of cells around their centres, (n + 1,)."""
+    """Returns the borders (n + 1,) of cells with these centres (n,)."""
     middle = (centres[1:] + centres[:-1]) / 2
     return np.concatenate([[2 * centres[0] - middle[0]], middle, [2 * centres[-1] - middle[-1]]])
 
@@ -190,17 +190,17 @@ def _label(axis: Any, values: np.ndarray, every: int) -> None:
     axis.set_ticks(ticks, [f"$10^{{{tick:.0f}}}$" for tick in ticks])
 
 
-SHOWN = 20  # wrong answers that are told one by one on stderr
+SHOWN = 20  # wrong answers that are listed on stderr
 
 
 def report_stability(
     folder: Path, *, only: Sequence[str] = (), quick: bool = False, processes: int = 1, note: Note = silent, say: Note = print
 ) -> Survey:
-    """Runs the map and the cases, or those that `only` names, and keeps CSV, JSON and pictures in `folder`.
+    """Runs the map and the cases, or those that `only` names, and writes CSV, JSON and pictures to `folder`.
 
-    quick: some cases and a coarse map, within half a minute. processes: cells and cases at a time, SoftffdError if none. note: told what is
-    done; say: told what has come out. Raises SoftffdError for an unknown name before anything is run, and in the end if an answer is wrong;
-    KeyboardInterrupt on Ctrl-C once what is done is kept.
+    quick: some cases and a coarse map, within half a minute. processes: number of cells and cases at a time. note: receives the progress.
+    say: receives the results. Raises SoftffdError if processes < 1, for an unknown name before anything is run, and at the end if an answer
+    is wrong. Raises KeyboardInterrupt on Ctrl-C after the finished results are written.
     """
     survey = planned(only, quick=quick)
     about = _about(only, quick)

@@ -1,4 +1,4 @@
-"""A survey of stiff and extreme scenes: which panels and cases, and what came of them."""
+"""A survey of stiff and extreme scenes: its panels and cases, and their results."""
 
 from __future__ import annotations
 
@@ -17,59 +17,59 @@ from validation.stability.drive import Drive
 from validation.stability.map import SCENES, Border, borders, document, run_cells
 from validation.stability.verdict import Outcome, outcome_of
 
-LEAVES_CONTACT = ("bm4", "rkn12", "dop853", "ros34pw2")  # methods that hand communication steps with contact to another one
+LEAVES_CONTACT = ("bm4", "rkn12", "dop853", "ros34pw2")  # methods that pass communication steps with contact to another method
 
 RATIOS = [10.0 ** (n / 2) for n in range(-4, 7)]
-"""Of the map of internal damping: its time in 1 / omega, 0.01 to 1000. None is a row of the map of vibration."""
+"""Internal damping times in the map of damping, in units of 1 / omega, 0.01 to 1000. The map of vibration shows zero internal damping."""
 
-DAMPED = 1e3  # stiffness of its box [N/m]
-LEAVES_DAMPING = ("bm4", "rkn12", "central_difference")  # methods that hand bodies with internal damping to another one
+DAMPED = 1e3  # stiffness of the box in the map of damping [N/m]
+LEAVES_DAMPING = ("bm4", "rkn12", "central_difference")  # methods that pass bodies with internal damping to another method
 
 CHOSEN = "auto"
-MAP, EVERY_CASE = "map", "cases"  # names of the map and of all cases among those of the cases
+MAP, EVERY_CASE = "map", "cases"  # names of the map and of all cases, accepted beside names of cases
 
 QUICK_PANELS = (*(Panel(scene, CHOSEN) for scene in SCENES if scene != "rebound"), Panel("vibration", "leapfrog", True))
 
-QUICK_PATIENCE = 10.0  # no case of a quick survey gets longer [s]
+QUICK_PATIENCE = 10.0  # longest time of a case in a quick survey [s]
 
 
 @dataclass
 class Survey:
-    """What is to be run, and what has been so far."""
+    """The panels and cases to run, and the results so far."""
 
     panels: list[Panel]
     stiffnesses: list[float]  # N/m
     steps: list[float]  # communication steps [s]
     names: list[str]  # of cases
-    most_patience: float = math.inf  # no case gets longer [s]
+    most_patience: float = math.inf  # longest time of a case [s]
     borders: list[Border] = field(default_factory=list)
     cells: dict[Cell, Judged] = field(default_factory=dict)
     outcomes: dict[str, Outcome] = field(default_factory=dict)
 
     @property
     def missing(self) -> list[str]:
-        """Panels and cases without results."""
+        """Panels and cases without results"""
         left = [str(panel) for panel in self.panels if any(cell not in self.cells for cell in self.cells_of(panel))]
         return left + [name for name in self.names if name not in self.outcomes]
 
     def stiffnesses_of(self, panel: Panel) -> list[float]:
-        """Stiffnesses of a panel [N/m]."""
+        """Returns the stiffnesses of a panel [N/m]."""
         if panel.scene == "damping":
             return [DAMPED]
         return list(rebound.STIFFNESSES) if panel.scene == "rebound" else self.stiffnesses
 
     def across(self, panel: Panel) -> list[float]:
-        """What goes to the right in a panel's picture: stiffnesses [N/m], or ratios of internal damping."""
+        """Returns the horizontal values of a panel's picture: stiffnesses [N/m], or ratios of internal damping."""
         return RATIOS if panel.scene == "damping" else self.stiffnesses_of(panel)
 
     def steps_of(self, panel: Panel) -> list[float]:
-        """Communication steps of a panel [s]: all for auto; of many, every second one for the others."""
+        """Returns the communication steps of a panel [s]: all for auto, and for other methods every second one if there are many."""
         if panel.scene == "rebound":
             return list(rebound.STEPS)
         return self.steps if panel.method == CHOSEN or len(self.steps) < 6 else self.steps[::2]
 
     def cells_of(self, panel: Panel) -> list[Cell]:
-        """In the order in which they are run: soft ones first."""
+        """Returns the cells of a panel in the order of running, soft ones first."""
         ratios = RATIOS if panel.scene == "damping" else [0.0]
         return [
             Cell(panel, stiffness, step, ratio)
@@ -77,7 +77,7 @@ class Survey:
         ]  # fmt: skip
 
     def wrong(self) -> list[str]:
-        """What ended with fmi2OK and a wrong answer, or in a crash: a line each."""
+        """Returns a line for each cell or case that ended with fmi2OK and a wrong answer, or in a crash."""
         cells = [
             f"map, {cell.panel}, {_place(cell)}: {judged.why}"
             for cell, judged in self.cells.items() if judged.kind == "WRONG"
@@ -96,7 +96,9 @@ def _why(outcome: Outcome) -> str:
 
 
 def planned(only: Sequence[str] = (), *, quick: bool = False) -> Survey:
-    """The survey of everything, or of what is named: "map", "cases", or a part of a case's name. SoftffdError where nothing is named so."""
+    """Returns the survey of everything, or of named parts: "map", "cases", or a part of a case's name.
+
+    Raises SoftffdError if a name matches nothing."""
     chosen = {name for name, case in CASES.items() if not quick or case.quick}
     with_map = True
     if only:
@@ -115,7 +117,7 @@ def planned(only: Sequence[str] = (), *, quick: bool = False) -> Survey:
 
 
 def _panels() -> list[Panel]:
-    """Every method that the FMU has; with given steps all but auto, which is leapfrog then."""
+    """Returns panels for every method of the FMU. With given steps auto is left out, because auto is then leapfrog."""
     with Drive(document("vibration")) as drive:
         methods = list(drive.simulation.variables["solver.method"].items or {})
     vibration = [Panel("vibration", method) for method in methods]
@@ -127,7 +129,7 @@ def _panels() -> list[Panel]:
 
 
 def run(survey: Survey, note: Note, processes: int = 1) -> Iterator[str]:
-    """Fills the survey, by so many processes; yields a line of news after each part, when it is worth keeping. note: told what is done."""
+    """Runs the survey on several processes; yields a line of news after each part that is worth saving. note: receives the progress."""
     if survey.panels:
         note("the border of the explicit scheme")
         survey.borders = borders(survey.stiffnesses)

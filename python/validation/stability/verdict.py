@@ -1,4 +1,4 @@
-"""What a case of the table is, what is measured in it, what the component's warnings say of its error, and the verdict that follows."""
+"""The cases of the table: what a case measures, the error that warnings of the component state, and the resulting verdict."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from validation.guard import Lost
 from validation.stability.drive import Drive, Refused, StateTouched, Vector
 
 VERDICTS = ("right", "bounded", "refused", "slow", "WRONG")
-"""right: within every limit. bounded: outside a limit, but within the bound that goes with it. refused: fmi2Discard or fmi2Error, with its
-message. slow: no answer within the case's time. WRONG: anything else, a crash too."""
+"""right: within every limit. bounded: outside a limit, but within the bound of that limit. refused: fmi2Discard or fmi2Error, with a
+message. slow: no answer within the time of the case. WRONG: anything else, including a crash."""
 
 
 @dataclass(frozen=True)
 class Check:
-    """One oracle: what was measured, and the limit it must keep."""
+    """One oracle: a measured value and its limit."""
 
     what: str
     measured: float
     limit: float
-    bound: float | None = None  # of an answer that is not exact but harmless; None: there is no such thing here
+    bound: float | None = None  # of an answer that is inexact but harmless; None: there is no such answer
 
     @property
     def verdict(self) -> str:
-        """ "right", "bounded" or "WRONG"."""
+        """ "right", "bounded" or "WRONG" """
         if self.measured <= self.limit:
             return "right"
         return "bounded" if self.bound is not None and self.measured <= self.bound else "WRONG"
@@ -41,17 +41,17 @@ class Check:
 
 @dataclass
 class Findings:
-    """What a case finds while it runs."""
+    """The checks and notes that a case collects while it runs."""
 
     checks: list[Check] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
     def check(self, what: str, measured: SupportsFloat, limit: float, *, bound: float | None = None) -> None:
-        """Adds an oracle."""
+        """Adds a check."""
         self.checks.append(Check(what, float(measured), limit, bound))
 
     def at_most(self, what: str, measured: SupportsFloat, limit: float, *, bound: float | None = None) -> None:
-        """The same for an oracle that is asked again and again: the worst is kept."""
+        """Adds a check that is repeated during the run, and keeps the worst value."""
         for place, check in enumerate(self.checks):
             if check.what == what:
                 if not float(measured) <= check.measured:  # NaN is worst
@@ -60,14 +60,14 @@ class Findings:
         self.check(what, measured, limit, bound=bound)
 
     def sound(self, drive: Drive, planes: Sequence[tuple[Vector, Vector]] = ()) -> None:
-        """Bounds that hold in every case: all numbers finite, nothing that obstacles meet behind a plane (point, normal)."""
+        """Checks the bounds of every case: all numbers are finite, and no point that obstacles meet is behind a plane (point, normal)."""
         self.at_most("not finite", 0.0 if drive.finite() else math.inf, 0.0)
         for point, normal in planes:
             self.at_most("penetration / box", behind(drive, point, normal), 1e-12)
 
 
 def behind(drive: Drive, point: Vector, normal: Vector) -> float:
-    """How far the furthest control point, or point of the surface, is behind a plane, relative to the box."""
+    """Returns the largest depth of a control point, or a point of the surface, behind a plane, relative to the box."""
     length = math.sqrt(sum(part * part for part in normal))
     gaps = (drive.touching - point) @ np.array([part / length for part in normal])
     return max(0.0, -float(gaps.min())) / drive.side
@@ -85,13 +85,13 @@ class Case:
     oracle: str
     run: Run
     quick: bool = False
-    refusal: str = ""  # pattern of the message with which it has to be refused; empty: an answer is wanted, a refusal is the second best
+    refusal: str = ""  # pattern of the message of the required refusal; empty: an answer is wanted, and a refusal is second best
     patience: float = 60.0  # s
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a case."""
+    """The result of a case."""
 
     verdict: str  # one of VERDICTS
     checks: tuple[Check, ...] = ()
@@ -100,7 +100,7 @@ class Outcome:
 
     @property
     def worst(self) -> Check | None:
-        """The check that decides: the one nearest to its limit or furthest beyond."""
+        """The decisive check: the one nearest to its limit or furthest beyond"""
         return max(self.checks, key=_excess, default=None)
 
 
@@ -111,7 +111,7 @@ def _excess(check: Check) -> tuple[int, float]:
 
 
 def run_case(case: Case) -> Outcome:
-    """Runs one case in this process."""
+    """Runs one case in this process and returns its outcome."""
     findings, began = Findings(), clock.perf_counter()
     try:
         case.run(findings)
@@ -130,7 +130,7 @@ def run_case(case: Case) -> Outcome:
 
 
 def outcome_of(result: Outcome | Lost, patience: float) -> Outcome:
-    """The outcome of a case that ran in another process."""
+    """Returns the outcome of a case that ran in another process. patience: run time [s] of a hang."""
     if isinstance(result, Outcome):
         return result
     if result.how == "hang":
@@ -138,7 +138,7 @@ def outcome_of(result: Outcome | Lost, patience: float) -> Outcome:
     return Outcome("WRONG", words=f"{result.how}: {result.words}")
 
 
-STATED = 5.0  # an error up to so many times what a warning states has been stated
+STATED = 5.0  # an error up to this multiple of the number in a warning counts as stated
 
 NUMBER = r"([-+]?[0-9.]+(?:e[-+]?[0-9]+)?)"
 WRONG_BY = re.compile(rf"(?:wrong|off) by (?:up to |about |some )*{NUMBER}")
@@ -147,15 +147,15 @@ TURNS = re.compile(rf"omega = {NUMBER} rad/s in implicit steps .* omega h / 2 = 
 
 
 def stated_length(text: str) -> float:
-    """By how much something is wrong, in its own words [m]; 0 where nothing is said."""
+    """Returns the largest error [m] that a text states, or 0 if the text states none."""
     return max((float(number) for number in WRONG_BY.findall(text)), default=0.0)
 
 
 def stated_error(warning: str, drive: Drive, duration: float) -> float:
-    """The error of a position that a warning gives a number for [m]; 0 for one that gives none.
+    """Returns the position error [m] that follows from the number in a warning, or 0 if the warning has no number.
 
-    A length stands for itself. An energy gained is the speed of the whole body, for the time [s] of the run; a share of a rotation, taken
-    for each radian, is that of the angle, at the side of the box.
+    A length is returned as it is. A gained energy is converted to a speed of the whole body, times the duration [s] of the run. A fraction
+    of the rotation per radian is converted to an error of the angle, times the side of the box.
     """
     if WRONG_BY.search(warning):
         return stated_length(warning)
@@ -168,5 +168,5 @@ def stated_error(warning: str, drive: Drive, duration: float) -> float:
 
 
 def stated_errors(drive: Drive, duration: float) -> float:
-    """The largest that has been stated so far [m]."""
+    """Returns the largest position error [m] stated by the warnings so far."""
     return max((stated_error(text, drive, duration) for text in drive.simulation.warnings), default=0.0)

@@ -1,8 +1,8 @@
-"""An independent twin of a scene's component: the same variables, the same model written once more in numpy.
+"""An independent twin of a scene's component: an FMU with the same variables and the same model, implemented again in numpy.
 
-Run the two side by side and compare: where they part, one of them is wrong, or the motion is chaotic. The
-twin is packaged with pythonfmu, is some fifty times slower, needs a host with Python and numpy, and has no
-points that two planes hold at a time, no volume stiffness and no internal damping.
+Run the component and the twin side by side and compare. Where the results differ, one of them is wrong, or the motion is
+chaotic. The twin is packaged with pythonfmu, is about fifty times slower and needs a host with Python and numpy. The twin
+supports no point that two planes hold at the same time, no volume stiffness and no internal damping.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ from validation.resolved import resolved
 __all__ = ["build_twin", "resolved_scene"]
 
 PACKAGE, SCRIPT = "softffd_twin", "softffd_twin_slave"
-"""Names of the twin's own package and of pythonfmu's script inside the FMU, which does not need softffd."""
+"""Names of the twin's package and of pythonfmu's script inside the FMU. The FMU does not need softffd."""
 
 PARTS = ("mechanics.py", *(f"twin/{name}.py" for name in ("fixtures", "methods", "model", "slave")))
-"""Files beside `softffd.rotation` that run in the FMU; they import that, each other, relatively, and numpy."""
+"""Files besides `softffd.rotation` that run in the FMU. They import `softffd.rotation`, each other (relatively) and numpy."""
 
 SCRIPT_TEXT = f"""from {PACKAGE}.twin.slave import TwinSlave  # noqa: F401
 from {MENDING.stem} import mend
@@ -54,10 +54,10 @@ mend(globals())
 def build_twin(scene: Scene, path: str | Path) -> Path:
     """Writes the twin of a scene as an FMU and returns its path.
 
-    Its variables are those of the component, references, units and starts included, but for the outputs
-    energy.* and solver.*. With solver.step = 0 it takes a step that is stable in any configuration; a
-    solver.step that is given is taken as it is, where the component shortens one above its bound.
-    Raises SoftffdError where pythonfmu is not installed and for scenes with a volume stiffness, internal damping, solids or contact of the
+    The twin has the variables of the component, with the same references, units and start values, except for the outputs
+    energy.* and solver.*. With solver.step = 0 the twin uses a step that is stable in any configuration. The twin uses any
+    other solver.step unchanged, whereas the component shortens a step above its stability bound.
+    Raises SoftffdError if pythonfmu is not installed, and for scenes with a volume stiffness, internal damping, solids or contact of the
     surface.
     """
     if scene.material.volume_stiffness > 0:
@@ -93,7 +93,7 @@ def _internal_damping(scene: Scene) -> float:
 
 
 def _travelling_package(folder: Path) -> Path:
-    """Copies of the files that run in the FMU, in the places where their imports find each other."""
+    """Copies the files that run in the FMU to a folder, laid out so that their imports work. Returns the folder."""
     (folder / "twin").mkdir(parents=True)
     copy(rotation.__file__, folder)
     for part in PARTS:
@@ -105,9 +105,9 @@ def _travelling_package(folder: Path) -> Path:
 
 
 def resolved_scene(scene: Scene, mass: np.ndarray) -> dict[str, Any]:
-    """What `twin.model.Model` needs of a scene, as it stands in the FMU's resources.
+    """Returns the data of a scene that `twin.model.Model` needs, as stored in the FMU's resources.
 
-    mass: (n,) kg, region overrides included.
+    mass: (n,) [kg], region overrides included.
     """
 
     def at_points(family: str, selection: Selection) -> dict[str, int]:
@@ -133,7 +133,7 @@ def resolved_scene(scene: Scene, mass: np.ndarray) -> dict[str, Any]:
 
 
 def _embedded(at: Sequence[float], lattice: LatticeBox) -> tuple[list[int], list[float]]:
-    """The control points that count at a place of the rest shape, eq. (1), and how much."""
+    """Returns the control points that affect a place of the rest shape, eq. (1), and their weights."""
     shares = (np.array(at) - lattice.origin) / lattice.size
     u, v, w = (weights(t, n, lattice.basis)[0] for t, n in zip(shares, lattice.points, strict=True))
     product = np.einsum("k,j,i->kji", w, v, u).ravel()
@@ -142,7 +142,7 @@ def _embedded(at: Sequence[float], lattice: LatticeBox) -> tuple[list[int], list
 
 
 def _description(scene: Scene, mass: np.ndarray, content: str) -> str:
-    """The component's own description, but for pythonfmu's binary, capabilities and log categories."""
+    """Returns the component's model description with the binary, capabilities and log categories of pythonfmu."""
     text = model_description(scene, variables(scene, mass))
     guid = hashlib.sha256((text + content).encode()).hexdigest()[:32]
     root = Xml.fromstring(completed(text, guid))
@@ -170,7 +170,7 @@ def _pythonfmu() -> Any:
 
 @contextmanager
 def _imports_undone() -> Iterator[None]:
-    """The builder imports the script by name from a folder that it leaves on the path; so does a run."""
+    """Restores sys.path and forgets the script on exit: the builder imports the script by name and leaves its folder on sys.path."""
     path = list(sys.path)
     sys.modules.pop(SCRIPT, None)
     try:

@@ -1,8 +1,8 @@
-"""How the twin moves: leapfrog with contact by local restart, central difference as published, obstacles.
+"""The time integration of the twin: leapfrog with contact by local restart, and the published central difference method.
 
-Contact follows the essays of the component (in fmu_src/core: contact/contact.hpp, body/kick.hpp, methods/central_difference.hpp) and
-takes all points that meet a plane at once. A point that two planes hold at a time is refused, and so is a
-pinned one behind a plane.
+Contact follows the comments of the component (in fmu_src/core: contact/contact.hpp, body/kick.hpp, methods/central_difference.hpp).
+All points that meet a plane are handled simultaneously. The twin refuses a point that two planes hold at the same time and a
+pinned point behind a plane.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ TWO_PLANES = "two planes hold one control point: the twin has one plane per poin
 
 @dataclass(eq=False)
 class Motion:
-    """Positions [m] and velocities [m/s] (n, 3) at a time [s]; for the recurrence, x a step back."""
+    """Positions [m] and velocities [m/s] (n, 3) at a time [s]. For the recurrence, `previous` holds x one step earlier."""
 
     time: float
     x: np.ndarray
@@ -30,18 +30,19 @@ class Motion:
 
 
 def size_of(vectors: np.ndarray) -> np.ndarray:
-    """Lengths (m, 1) of vectors (m, 3)."""
+    """Returns the lengths (m, 1) of vectors (m, 3)."""
     return np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
 def quotient(a: ArrayLike, b: ArrayLike) -> np.ndarray:
-    """a / b, and 0 where b is 0."""
+    """Returns a / b, or 0 where b is 0."""
     a, b = np.broadcast_arrays(a, b)
     return np.divide(a, b, out=np.zeros(b.shape), where=b > 0)
 
 
 def coulomb(limit: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """The slip (m, 3) that friction leaves: none if it can hold, else `limit` (m, 1) less along the mean."""
+    """Returns the slip velocity (m, 3) after friction: zero if friction can stop the slip, else `after` reduced by `limit` (m, 1) along the
+    mean of `before` and `after`."""
     mean = before + after
     mean = np.where(size_of(mean) > 0, mean, after)
     return np.where(size_of(after) <= limit, 0.0, after - limit * quotient(mean, size_of(mean)))
@@ -49,7 +50,7 @@ def coulomb(limit: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndar
 
 @dataclass(frozen=True, eq=False)
 class Meeting:
-    """Points (m,) that the free drift of a step takes behind a plane; vectors are (m, 3)."""
+    """Points (m,) that the free drift of a step moves behind a plane. Vectors are (m, 3)."""
 
     points: np.ndarray
     begin: HalfSpace
@@ -58,25 +59,25 @@ class Meeting:
     x0: np.ndarray  # m, at the start of the step
     before: np.ndarray  # m/s, at the start of the step
     free: np.ndarray  # m/s, after the opening half kick
-    wall: np.ndarray  # m/s (m, 1), the plane's own normal velocity where the point is
+    wall: np.ndarray  # m/s (m, 1), normal velocity of the plane at the point
     surface: np.ndarray  # m/s, tangential velocity of the obstacle's material at mid-step
 
 
 class Leapfrog:
-    """Half kick, drift, half kick; contact by local restart, no point behind a plane after a step."""
+    """Half kick, drift, half kick, with contact by local restart. After a step no point lies behind a plane."""
 
     def __init__(self, body: Body, around: Surroundings, h: float):
         self.body, self.obstacles, self.pins, self.force, self.h = body, around.obstacles, around.pins, around.force, h
         self.around, self.touching = around, TOUCHING * around.largest_side
         mass, damping, half = body.mass[:, None], body.damping[:, None], h / 2
         g = damping * half / mass
-        e = 1 / (1 + g + g**2 / 2)  # strong damping: both halves decay towards the terminal velocity f / d
+        e = 1 / (1 + g + g**2 / 2)  # with strong damping both half kicks decay towards the terminal velocity f / d
         strong, by_drag = g > 1, quotient(1 - e, damping)
         self.open_a, self.open_b = np.where(strong, e, 1 - g), np.where(strong, by_drag, half / mass)
         self.close_a, self.close_b = (np.where(strong, e, 1 / (1 + g)), np.where(strong, by_drag, half / mass / (1 + g)))
 
     def run(self, motion: Motion, steps: int) -> None:
-        """`steps` internal steps."""
+        """Advances the motion by `steps` internal steps."""
         begin, force = motion.time, self.body.spring_force(motion.x) + self.force
         for n in range(steps):
             t0, t1 = begin + n * self.h, begin + (n + 1) * self.h
@@ -103,7 +104,7 @@ class Leapfrog:
             motion.x, motion.v, motion.time = x, kicked, t1
 
     def _hold(self, pin: Pin, old: np.ndarray, new: np.ndarray, force: np.ndarray, damped: np.ndarray, arms: np.ndarray) -> None:
-        """Books what half a step's forces do not explain of the change from velocities old (n, 3) to new (m, 3)."""
+        """Adds to the pin the impulses of the velocity change from old (n, 3) to new (m, 3), less those of the forces of half a step."""
         p = pin.points
         explained = self.h / 2 * (force[p] - self.body.damping[p, None] * damped)
         pin.receive(self.body.mass[p, None] * (new - old[p]) - explained, arms)
@@ -112,7 +113,7 @@ class Leapfrog:
         self, ends: list[HalfSpace], touched: np.ndarray, deepest: np.ndarray, t0: float, motion: Motion, force: np.ndarray, x: np.ndarray,
         v: np.ndarray,
     ) -> None:  # fmt: skip
-        """Each touched point meets the plane that it would be deepest behind; corrects x and v."""
+        """Corrects x and v of the touched points. Each point meets the plane behind which the point would lie deepest."""
         for q, (obstacle, end) in enumerate(zip(self.obstacles, ends, strict=True)):
             points = touched[deepest == q]
             begin, middle = obstacle.at(t0), obstacle.at(t0 + self.h / 2)
@@ -130,7 +131,7 @@ class Leapfrog:
                 raise TwinError(TWO_PLANES)
 
     def _land(self, meeting: Meeting, force: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """An impact at the share theta of the step: x1, v at mid-step, and the velocity gained."""
+        """Handles impacts at the fraction theta of the step. Returns x1 [m], v at mid-step [m/s] and the velocity gained [m/s]."""
         m, n, h = meeting, meeting.end.normal, self.h
         gap0, gap1 = m.begin.gap(m.x0)[:, None], m.end.gap(m.x0 + h * m.free)[:, None]
         theta = gap0 / (gap0 - gap1)
@@ -146,7 +147,7 @@ class Leapfrog:
         return m.end.snapped(x1), leaving - ahead, leaving - arriving
 
     def _stay(self, meeting: Meeting, _force: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Points that were on the plane stay on it. Returns as _land."""
+        """Keeps points on the plane that were on the plane before. Returns the same as _land."""
         m, n = meeting, meeting.end.normal
         reaction = np.maximum(0.0, m.wall - (m.free @ n)[:, None])
         slip = m.end.along(m.free) - m.surface
@@ -155,7 +156,7 @@ class Leapfrog:
         return m.end.snapped(m.x0 + self.h * v), v, v - m.free
 
     def _close_on(self, ends: list[HalfSpace], touched: np.ndarray, x: np.ndarray, v: np.ndarray, kicked: np.ndarray) -> None:
-        """The closing half kick leaves touched points on their planes; corrects `kicked`."""
+        """Corrects the velocities `kicked` after the closing half kick so that no touched point moves into its plane."""
         on = np.array([end.gap(x[touched]) <= self.touching for end in ends])
         if np.any(on.sum(axis=0) > 1):
             raise TwinError(TWO_PLANES)
@@ -173,7 +174,7 @@ class Leapfrog:
 
 
 class CentralDifference:
-    """The recurrence (13) in positions, started by (11); collisions by (14) to (17), the sign corrected."""
+    """The recurrence (13) in positions, started by eq. (11). Collisions follow eq. (14) to (17) with the sign corrected."""
 
     def __init__(self, body: Body, around: Surroundings, h: float):
         self.body, self.obstacles, self.pins, self.force, self.h = body, around.obstacles, around.pins, around.force, h
@@ -182,7 +183,7 @@ class CentralDifference:
         self.ahead, self.now, self.back = inertia + drag, 2 * inertia, inertia - drag
 
     def run(self, motion: Motion, steps: int) -> None:
-        """`steps` internal steps, and one looked ahead for the velocity, eq. (10)."""
+        """Advances the motion by `steps` internal steps. A further step, not kept, gives the velocity by eq. (10)."""
         h, begin = self.h, motion.time
         if motion.previous_step != h:
             force = self.body.spring_force(motion.x) + self.force - self.body.damping[:, None] * motion.v

@@ -1,7 +1,7 @@
-"""The soft object once more, in numpy, to check the component against: a resolved scene in motion.
+"""An implementation of the soft object in numpy, against which the component is checked: a resolved scene in motion.
 
-Imports numpy alone, for it travels inside the twin's FMU. Variables go by the FMU's names; SI units. Absent:
-rates of inputs, energies.
+The module imports numpy alone because it is copied into the twin's FMU. Variables have the FMU's names and SI units. Rates of
+inputs and energies are not implemented.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ MATERIAL = ("mass", "damping", "stiffness.edge", "stiffness.face", "stiffness.bo
 
 
 class Model:
-    """A resolved scene (the dictionary that validation.twin.resolved_scene makes) in motion."""
+    """A resolved scene in motion. The scene is the dictionary that validation.twin.resolved_scene returns."""
 
     def __init__(self, scene: Mapping[str, Any]):
         self.scene, self.rest = scene, np.array(scene["rest"])
         self._material: list[float | None] | None = None
 
     def initialize(self, values: Mapping[str, float], time: float) -> None:
-        """The state at the start; points behind a plane are moved onto it."""
+        """Sets the state at the start time [s]. Points behind a plane are moved onto the plane."""
         self.motion = Motion(time, *start(self.scene, rotation=_rotation(values)))
         self.start_time, self.elapsed, self._material = time, 1.0, None
         self._take(values)
@@ -37,20 +37,20 @@ class Model:
         self._clear_jumps(values)
 
     def advance(self, values: Mapping[str, float], length: float) -> None:
-        """One communication step of this length [s] with the variables' values, held."""
+        """Makes one communication step of this length [s] with constant variables. Raises TwinError if the result is not finite."""
         self._take(values)
         self._place_pins(book=True)
         self._clear_jumps(values)
         h, steps = self._division(values["solver.step"], length)
         method = self._method(values)
-        with np.errstate(over="ignore", invalid="ignore"):  # told below
+        with np.errstate(over="ignore", invalid="ignore"):  # reported below
             method(self.body, self.around, h).run(self.motion, steps)
         self.elapsed = length
         if not np.isfinite(self.motion.x).all():
             raise TwinError("the result is not finite: solver.step is too long, it is taken as it is given")
 
     def outputs(self) -> dict[str, float]:
-        """Values of all outputs by name."""
+        """Returns the values of all outputs by name."""
         found: dict[str, float] = {}
         scene = self.scene
         for what, rows in (("position", self.motion.x), ("velocity", self.motion.v)):
@@ -73,7 +73,7 @@ class Model:
         return force | _vector(f"{name}.torque", fixture.moment / self.elapsed)
 
     def _take(self, values: Mapping[str, float]) -> None:
-        """Body, obstacles and forces as the variables have them now."""
+        """Updates body, obstacles, pins and forces from the values of the variables."""
         material = [values.get(name) for name in MATERIAL]
         if material != self._material:
             self._material, self.body, self.motion.previous_step = material, self._make_body(values), 0.0
@@ -115,7 +115,7 @@ class Model:
         return Pin(points=points, arms=arms, origin=origin, velocity=velocity, spin=spin, since=self.motion.time)
 
     def _place_pins(self, *, book: bool) -> None:
-        """Pinned points take the frame's place and velocity; a change of velocity is an impulse."""
+        """Sets pinned points to the position and velocity of their frame. If `book`, a change of velocity is added as an impulse."""
         motion = self.motion
         for pin in self.around.pins:
             p = pin.points
@@ -131,7 +131,7 @@ class Model:
         return METHODS[name]
 
     def _clear_jumps(self, values: Mapping[str, float]) -> None:
-        """A plane that has jumped moves points and leaves their velocity; not so by the published rule."""
+        """Moves points behind a plane that has jumped onto the plane and keeps their velocity. The published method does not do this."""
         if not self.around.obstacles or self._method(values) is CentralDifference:
             return
         planes = [obstacle.at(self.motion.time) for obstacle in self.around.obstacles]
@@ -144,7 +144,7 @@ class Model:
             raise TwinError(TWO_PLANES)
 
     def _division(self, step: float, length: float) -> tuple[float, int]:
-        """Internal step [s] and their number: `step` if it divides the length, else the next shorter."""
+        """Returns the internal step [s] and the number of steps: `step` if it divides the length, else the next shorter step that does."""
         whole = round(length / step) if step > 0 else 0
         if whole and abs(length - whole * step) <= 1e-9 * length:
             return step, whole
@@ -158,7 +158,7 @@ def _read(values: Mapping[str, float], name: str) -> np.ndarray:
 
 
 def _rotation(values: Mapping[str, float]) -> np.ndarray:
-    """By which the body starts turned [rad]."""
+    """Returns the rotation vector of the body at the start (3,) [rad]."""
     return _read(values, "initial.rotation") if "initial.rotation.x" in values else np.zeros(3)
 
 

@@ -1,4 +1,4 @@
-"""The twin as an FMI slave: what pythonfmu calls."""
+"""The twin as an FMI slave, which pythonfmu calls."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from .fixtures import TwinError
 from .model import Model
 
 SCENE, DESCRIPTION = "scene.json", "description.xml"
-"""Files of the resources: the resolved scene with its table of variables, and modelDescription.xml to be."""
+"""Files of the resources: the resolved scene with its table of variables, and the content of modelDescription.xml."""
 
 
 class TwinSlave(Fmi2Slave):
-    """Variables by the references of the component's table; outputs are calculated when asked for."""
+    """Accesses variables by the references of the component's table and computes outputs on request."""
 
     def __init__(self, **kwargs: Any):
         super().__init__(**kwargs)
-        self.modelName = "softffd_twin"  # pythonfmu's word for the model identifier
+        self.modelName = "softffd_twin"  # pythonfmu's name for the model identifier
         folder = Path(self.resources)
         scene = json.loads((folder / SCENE).read_text(encoding="utf-8"))
         self._description = folder / DESCRIPTION
@@ -33,7 +33,7 @@ class TwinSlave(Fmi2Slave):
         self._start_time, self._initialized = 0.0, False
 
     def to_xml(self, model_options: Any = None) -> Xml.Element:
-        """The description that was made from the component's table."""
+        """Returns the model description made from the component's table."""
         return Xml.fromstring(self._description.read_text(encoding="utf-8"))
 
     def setup_experiment(self, start_time: float, *_: Any) -> None:
@@ -44,7 +44,7 @@ class TwinSlave(Fmi2Slave):
         self._initialized = True
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """A step that cannot be done is discarded: exceptions spoil the interpreter's memory on their way through pythonfmu 0.7."""
+        """Makes a step. Returns False (discard) if the step fails, because exceptions corrupt the interpreter's memory in pythonfmu 0.7."""
         try:
             self._model.advance(self._values, step_size)
         except TwinError as error:

@@ -20,10 +20,10 @@ struct Bench {
     model.renew();
     drive.planes.resize(planes);
     for (Plane& plane : drive.planes) plane.point = {0, 0, -10};
-    run.path.exchange.planes.resize(planes);
-    State& motion = run.path.motion = at_rest(lattice);
+    run.physical.exchange.planes.resize(planes);
+    State& motion = run.physical.motion = at_rest(lattice);
     motion.x.col(0) *= 1.1;
-    for (MarkedPoints* points : {&motion.previous, &run.course.bound_x, &run.course.factored.x}) points->change().setZero(n, 3);
+    for (MarkedPoints* points : {&motion.previous, &run.control.bound_x, &run.control.factored.x}) points->change().setZero(n, 3);
     model.body.internal_force(motion.x, motion.spring);
   }
   StepContext context() { return {model, drive, request, run}; }

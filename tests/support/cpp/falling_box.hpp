@@ -149,10 +149,10 @@ inline void check_convergence_to_explicit_contact(FallingBox start) {
   body.damping_rate = body.damping.replicate(3, 1) * body.inverse_mass;
   body.internal_force(start.state.x, start.state.spring);
   Run run;
-  run.path.exchange.planes.resize(1);
-  run.path.motion = start.state;
+  run.physical.exchange.planes.resize(1);
+  run.physical.motion = start.state;
   if (body.samples) {
-    SurfaceRows& rows = run.path.surface;
+    SurfaceRows& rows = run.physical.surface;
     rows.drift = rows.close = std::vector<Count>(64, -1);
     rows.drift_friction = rows.close_friction = Points::Zero(64, 3);
   }
@@ -163,7 +163,7 @@ inline void check_convergence_to_explicit_contact(FallingBox start) {
     FallingBox scene = start;
     CheckedRun runner(scene);
     CHECK(runner.run(scene, h, 0.1));
-    error.push_back(distance(scene.state.x, run.path.motion.x));
+    error.push_back(distance(scene.state.x, run.physical.motion.x));
   }
   for (int i = 0; i < 2; ++i) CHECK_NEAR(std::log2(error[i] / error[i + 1]), 1.0, 0.15);
 }

@@ -14,11 +14,11 @@ inline Result run_method(Integrator& method, const Scene& s, int steps, bool wat
   Drive drive = s.around;
   drive.watch = watch;
   Run run = known;
-  run.path.motion = s.start;
-  run.path.exchange.planes.resize(drive.planes.size());
-  run.path.exchange.pins.resize(drive.pins.size());
+  run.physical.motion = s.start;
+  run.physical.exchange.planes.resize(drive.planes.size());
+  run.physical.exchange.pins.resize(drive.pins.size());
   CHECK(method.advance(Model(s.body), drive, {0, 0, s.duration / steps, steps}, run).status == StepStatus::ok);
-  return {run.path.motion, run.path.exchange};
+  return {run.physical.motion, run.physical.exchange};
 }
 
 /// Leapfrog is made for a number of planes, the others for a number of pins.
@@ -32,7 +32,7 @@ Result run_with(const Scene& s, int steps) {
 inline Result run_carrying(const Scene& s, int steps, bool watch) {
   Leapfrog method(s.body.points(), 0);
   Run known;
-  known.course.bound = known.course.damping_bound = 0;
+  known.control.bound = known.control.damping_bound = 0;
   return run_method(method, s, steps, watch, known);
 }
 

@@ -1,1 +1,1 @@
-"""The page in which a scene is simulated while one looks at it."""
+"""The page in which a scene is simulated while the user looks at it."""

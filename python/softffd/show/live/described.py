@@ -1,4 +1,4 @@
-"""What a live page knows of its scene's variables: value references, start values, and what they are for. Its scripts read no XML."""
+"""What a live page needs to know of its scene's variables: value references, start values, purposes. Page scripts read no XML."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -18,26 +18,26 @@ from softffd.show.live.scene import RECORDED
 from softffd.show.stage import Stage
 from softffd.show.view_body import ENERGY_MARKS, hex_of
 
-MOST_SPEED = 3.0  # of what is dragged: sizes of the object per second
-MOST_TURN = 3.0  # of what is turned, rad/s
-MOST_PULL = 10.0  # of the object's weights
+MOST_SPEED = 3.0  # largest speed of a dragged part, in sizes of the object per second
+MOST_TURN = 3.0  # largest angular velocity of a turned part [rad/s]
+MOST_PULL = 10.0  # largest pulling force, in weights of what is pulled
 GIVES, STIFFEST, DAMPED, MOST_DAMPED = 0.01, 0.15, 1.4, 0.3
-"""Of the spring that pulls a free body: by how much it gives under its weight, in sizes of the object; the greatest stiffness by mass and
-step^2; damping by that of a mass on the spring, sqrt(k m); the greatest damping by mass and step"""
+"""The spring that pulls a free body: its extension under the body's weight, in sizes of the object; the greatest stiffness over mass /
+step^2; the damping over sqrt(k m) of mass and spring; the greatest damping over mass / step"""
 PROBED = "#009e73"
-"""Colour of what probes tell"""
+"""Colour of the curves of probes"""
 SENSED = "#cc79a7"
-"""Of what sensors feel"""
+"""Colour of the curves of sensors"""
 
 
 class Described:
-    """A live scene's variables. Each part of the page asks for those that it reads, which gives them their places among the outputs."""
+    """A live scene's variables. Each part of the page asks for the outputs that it reads, and so gives them their places among all."""
 
     def __init__(self, scene: Scene, stage: Stage):
         self.scene, self.stage = scene, stage
         self.texts, listed, self.guid = scene_texts(scene)
         self.masses = scene_masses(scene).mass
-        """Of the control points, or of a solid's nodes (n,) [kg]"""
+        """Masses of the control points, or of a solid's nodes (n,) [kg]"""
         self.size, self.weight = float(np.linalg.norm(stage.size)), float(self.masses.sum()) * STANDARD_GRAVITY
         """Diagonal of the box [m]; weight [N]"""
         self._family: dict[str, dict[str, Any]] = {}
@@ -52,7 +52,7 @@ class Described:
         self._tunable = [name for name, family in self._family.items() if family["variability"] == "tunable"]
 
     def _read(self, names: Iterable[str]) -> list[int]:
-        """Where these outputs are among those that the page gets with each frame."""
+        """Adds outputs to those that the page gets with each frame; returns their places among them."""
         first = len(self._outputs)
         self._outputs.extend(names)
         return list(range(first, len(self._outputs)))
@@ -61,8 +61,8 @@ class Described:
         return [self._reference[name] for name in names]
 
     def opened(self) -> dict[str, Any]:
-        """What the worker opens the component with. Of the inputs those of obstacles and pins come first, then loads [N], then forces [N]
-        on the points."""
+        """Returns what the worker opens the component with. Of the inputs, those of obstacles and pins come first, then loads [N], then
+        forces [N] on the points."""
         points = list(all_points(self.scene.lattice.points))
         moving, parts = self._parts()
         loads = []
@@ -91,8 +91,9 @@ class Described:
         }
 
     def _parts(self) -> tuple[list[str], list[dict[str, Any]]]:
-        """The inputs of obstacles and pins that a hand moves, and of each of these where its point [m], its turn, and both velocities [m/s,
-        rad/s] are among them, how they start, and the control points that a pin holds; of a free body where its force [N] is."""
+        """Returns the inputs of obstacles and pins that a hand moves, and for each of these parts: where its point [m], its turn, and
+        both velocities [m/s, rad/s] are among the inputs, their starts, and the points that a pin holds; for a free body where its force
+        [N] is."""
         inputs: list[str] = []
         parts = []
         for each in (*self.scene.obstacles, *self.scene.pin):
@@ -114,8 +115,8 @@ class Described:
         return inputs, parts
 
     def _free(self, body: Sphere | Cylinder | Box | Pin) -> dict[str, Any]:
-        """Of a free body, which a spring and a dashpot pull: where its centre starts [m], the references of its position, velocity and
-        orientation, stiffness [N/m], damping [N s/m] and greatest force [N]. The spring gives little under its weight."""
+        """Returns for a free body, which a spring and a dashpot pull: the start of its centre [m], the references of its position,
+        velocity and orientation, stiffness [N/m], damping [N s/m] and greatest force [N]. The spring gives little under the weight."""
         start, step = self.scene.pin_start(body)[0] if isinstance(body, Pin) else body.point, self.scene.experiment.communication_step
         mass = self._start[variable_names("body_mass", [body.part])[0]]
         stiffness = mass * min(STIFFEST / step**2, STANDARD_GRAVITY / (GIVES * self.size))
@@ -130,7 +131,7 @@ class Described:
         }
 
     def rows(self) -> list[dict[str, Any]]:
-        """The curves of the readout: reactions [N] with their vectors, energies [J], and what probes and sensors tell."""
+        """Returns the curves of the readout: reactions [N] with their vectors, energies [J], and the outputs of probes and sensors."""
         marks = {each.name: hex_of(each.tint) for each in self.stage.obstacles}
         rows = []
         for each in (*self.scene.obstacles, *self.scene.pin):
@@ -151,12 +152,12 @@ class Described:
         return {"label": label, "kind": kind, "unit": "" if unit == "1" else unit, "mark": mark, "at": self._read(names)}
 
     def arrows(self) -> list[dict[str, Any]]:
-        """Where the force on each obstacle [N] and its centre of pressure [m] are among the outputs."""
+        """Returns where the force on each obstacle [N] and its centre of pressure [m] are among the outputs."""
         keys = {"force": "plane_reaction", "centre": "plane_centre"}
         return [{word: self._read(vector_names(key, each.part)) for word, key in keys.items()} for each in self.scene.obstacles]
 
     def probes(self) -> list[dict[str, Any]]:
-        """Names and parameters (3,) of the places at rest that probes follow."""
+        """Returns names and parameters (3,) of the places at rest that probes follow."""
         probes = []
         for probe in self.scene.probe:
             place = (np.array(probe.at) - self.stage.origin) / self.stage.size
@@ -165,8 +166,8 @@ class Described:
         return probes
 
     def material(self) -> dict[str, Any]:
-        """For stress: whether the body is a solid; else the springs of its cells (cells * 13) [N/m], and what these have more where all
-        have twice their stiffness, regions apart."""
+        """Returns for stress whether the body is a solid; else the springs of its cells (cells * 13) [N/m], and the stiffness that they
+        gain if all tunable stiffnesses are doubled, regions apart."""
         if self.scene.is_solid:
             return {"solid": True}
         doubled = {name: 2 * self._start[name] for name in self._tunable if name.startswith(("stiffness", "youngs_modulus"))}
@@ -175,14 +176,16 @@ class Described:
         return {"solid": False} | {name: [float(f"{value:.6g}") for value in values] for name, values in texts.items()}
 
     def pull(self) -> dict[str, float]:
-        """The spring between hand and object: half as stiff as a spring of the body, or a rod of it [N/m]; its greatest force [N]."""
+        """Returns the spring between hand and object: half as stiff as a spring of the body, or a rod of it [N/m], and its greatest force
+        [N]."""
         springs, modulus = self.scene.material.stiffness, self.scene.material.youngs_modulus
         stiffness = 0.5 * (springs.edge if springs else (modulus or 0.0) * float(self.stage.size.min()))
         return {"stiffness": stiffness, "most": max(MOST_PULL * self.weight, 0.2 * stiffness * self.size)}
 
     def sliders(self) -> list[dict[str, Any]]:
-        """One for each tunable parameter, for vectors and for the kinds of springs together: its name and unit, where it starts, and its
-        range: a decade to both sides, of what may be 0 or has a greatest value from 0 to that value, of gravity to twice what it is."""
+        """Returns a slider for each tunable parameter, one for all components of a vector and all kinds of springs: name, unit, start and
+        range. The range is a decade to both sides. A parameter that starts at 0 or has a greatest value ranges from 0 to that value,
+        gravity to twice its start."""
         groups: dict[str, list[int]] = {}
         for n, name in enumerate(self._tunable):
             groups.setdefault("stiffness" if name.startswith("stiffness.") else stem(name), []).append(n)
@@ -201,7 +204,7 @@ class Described:
                 "parameters": places,
                 "factors": [0.0, 0.0, -1.0] if falls else [each / start if start else 1.0 for each in starts],
             })  # fmt: skip
-        return sorted(sliders, key=lambda slider: slider["label"].endswith(" friction"))  # those of the body first
+        return sorted(sliders, key=lambda slider: slider["label"].endswith(" friction"))  # sliders of friction last
 
 
 def _label_of(name: str) -> str:

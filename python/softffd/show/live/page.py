@@ -1,8 +1,8 @@
-"""The live page: one HTML file with the renderer of the replay, the component in WebAssembly, and a worker that steps it.
+"""The live page: one HTML file with the renderer of the replay, the component in WebAssembly, and a worker that steps the component.
 
-`worker.js` steps the component, `source.js` keeps the page's clock, `hand.js` finds what is under the pointer, `turning.js` has turns,
-`contact.js` what touches, `cells.js` the colours of stress, `panel.js` the controls. Of the scene's variables they know what `described.py`
-writes.
+`worker.js` steps the component, `source.js` keeps the page's clock, `hand.js` finds what is under the pointer, `turning.js` computes
+turns, `contact.js` finds contact, `cells.js` the colours of stress, `panel.js` has the controls. They know the variables from
+`described.py`.
 """
 
 import base64
@@ -32,15 +32,15 @@ from softffd.show.view_body import Body, largest, scenery
 
 HERE = "softffd.show.live"
 SCRIPTS = ("turning.js", "source.js", "hand.js", "contact.js", "panel.js", "cells.js")
-LEAST_SCALE = 0.1  # end of a colour scale: strain, or share of the object's size
+LEAST_SCALE = 0.1  # least end of a colour scale: strain, or displacement as a fraction of the object's size
 
 
 def write_live(scene: Scene | str | Path, path: str | Path, *, stage: Note = silent, progress: Progress | None = None) -> Path:
     """Writes the page in which a scene is simulated to `path`; returns the path.
 
-    scene: a scene, the path of its file, or the name of a shipped one. Its own run, with the inputs beside its file, says what is in view.
-    stage: is told what is being done; progress: how far that run is, as in `simulate`. Raises SoftffdError where this installation has no
-    library for web pages.
+    scene: a scene, the path of its file, or the name of a shipped one. The scene's own run, with the inputs beside its file, determines
+    what is in view. stage: receives what is being done; progress: receives how far that run is, as in `simulate`. Raises SoftffdError
+    where this installation has no library for web pages.
     """
     library = wasm_library()
     scene = scene_of(scene, "write_live")
@@ -52,7 +52,7 @@ def write_live(scene: Scene | str | Path, path: str | Path, *, stage: Note = sil
 
 
 def live_page(scene: Scene, result: Result, library: bytes) -> str:
-    """The page itself. result: a run of the scene; library: the component in WebAssembly."""
+    """Returns the HTML of the page. result: a run of the scene; library: the component in WebAssembly."""
     stage = stage_of(result)
     frames = np.unique(np.linspace(0, len(stage.time) - 1, GLANCES).astype(int))
     described = Described(live_scene(scene), stage)
@@ -77,7 +77,7 @@ def live_page(scene: Scene, result: Result, library: bytes) -> str:
         "near": (3 * NEAR + 0.5**PLACE_BITS) * diagonal,
         "meets": scene.contact.of,
         "command": f"softffd run {shlex.quote(scene.name if scene.path.is_relative_to(SHIPPED) else scene.path.name)} --input",
-        "open": described.opened(),  # last: by now it has all that the others are about
+        "open": described.opened(),  # last: only now are all outputs known that the others read
     }
     texts = {
         "wasm": base64.b64encode(gzip.compress(library, 9, mtime=0)).decode("ascii"),

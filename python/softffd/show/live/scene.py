@@ -1,4 +1,4 @@
-"""The scene as its live page simulates it, and the recordings that the page saves."""
+"""The scene in the form that its live page simulates, and the recordings that the page saves."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 STEP = 1 / 480
-"""Longest communication step [s]: with longer ones, what is pulled by hand feels slack"""
+"""Longest communication step [s]: with longer steps, what is pulled by hand feels slack"""
 RECORDED = "# recorded by softffd live"
-"""How the first line of a recording begins"""
+"""Beginning of the first line of a recording"""
 
 
 def live_scene(scene: Scene) -> Scene:
-    """The same body with what a hand needs: forces on all control points, obstacles and pins that move, outputs to look at.
+    """Returns the scene with what a hand needs: forces on all control points, obstacles and pins that move, outputs to look at.
 
-    Its communication step is 1/480 s, or that of the scene where it is shorter. An obstacle that turns keeps its motion; one that inputs
-    move rests until it is taken hold of; a free body moves by itself, and a hand pulls it by its force.
+    The communication step is 1/480 s, or the scene's own step where that is shorter. An obstacle that turns keeps its motion. An obstacle
+    that inputs move rests until it is taken hold of. A free body moves by itself, and a hand pulls it by a force on the body.
     """
     changes: dict[str, object] = {"inputs.forces": "all", "outputs.positions": "all", "outputs.reactions": True, "outputs.energy": True}
     for part in (*scene.obstacles, *scene.pin):
@@ -33,7 +33,7 @@ def live_scene(scene: Scene) -> Scene:
 
 
 def is_recording(path: str | Path) -> bool:
-    """Whether a file of inputs is a recording of a live page."""
+    """True if a file of inputs is a recording of a live page."""
     try:
         with Path(path).open(encoding="utf-8-sig") as stream:
             return stream.readline().startswith(RECORDED)

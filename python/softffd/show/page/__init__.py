@@ -1,1 +1,1 @@
-"""The files of the interactive page: its frame with the style, its shaders and its scripts, which `view.py` puts together."""
+"""The files of the interactive page: its HTML frame with the style, its shaders and its scripts, which `view.py` combines."""
