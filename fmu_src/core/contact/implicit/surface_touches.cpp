@@ -188,8 +188,8 @@ StepStatus SurfaceTouches::find_forces(const StepProblem& problem) {
   set_.delassus().respond(loaded);
   for (int turn = 0; turn < most_turns && !operations().spent(); ++turn) {
     bool lost = false;
-    if (const StepStatus status = press(problem, lost); status != StepStatus::ok) return status;
-    const bool found = rubs() ? rub(problem) : !lost;
+    if (const StepStatus status = solve_normal_forces(problem, lost); status != StepStatus::ok) return status;
+    const bool found = has_friction() ? solve_friction(problem) : !lost;
     solution_.settled = found && doubt_ <= problem.slack;
     if (found) break;
   }
@@ -197,12 +197,12 @@ StepStatus SurfaceTouches::find_forces(const StepProblem& problem) {
 }
 
 /// Finds the normal forces beside the present friction, starting from the present loads. lost: constraints with friction touch no more.
-StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
+StepStatus SurfaceTouches::solve_normal_forces(const StepProblem& problem, bool& lost) {
   lost = false;
   for (int looks = 0; looks < most_looks; ++looks) {
     find_loads();
     find_move(forces_);
-    find_heights(problem);
+    find_gaps(problem);
     if (looks == 0) all_covered();
     list_candidates();
     set_.delassus().set_rows(start_);
@@ -210,7 +210,7 @@ StepStatus SurfaceTouches::press(const StepProblem& problem, bool& lost) {
     if (set_.pinned_violation() > pin_slack * length_) return StepStatus::pin_behind_plane;
     lost = take_loads() || lost;
     find_move(forces_);
-    find_heights(problem);
+    find_gaps(problem);
     if (in_front(problem.slack)) return StepStatus::ok;
   }
   return StepStatus::not_finite;
@@ -250,12 +250,12 @@ bool SurfaceTouches::take_loads() {
   return lost;
 }
 
-bool SurfaceTouches::rubs() const {
+bool SurfaceTouches::has_friction() const {
   return std::any_of(forces_.begin(), forces_.end(), [&](const Force& each) { return friction_[each.row.plane] > 0; });
 }
 
 /// Finds all forces of the active contact constraints. Returns whether they obey Coulomb's law and keep the other samples in front.
-bool SurfaceTouches::rub(const StepProblem& problem) {
+bool SurfaceTouches::solve_friction(const StepProblem& problem) {
   StepDelassus& g = set_.delassus();
   const int n = int(forces_.size());
   g.operations().spend(n * (4 * Operations::of_place + 20.0 * n));
@@ -276,7 +276,7 @@ bool SurfaceTouches::rub(const StepProblem& problem) {
   const double missed = rows_.solve(coulomb_, g.operations(), force);
   for (int t = 0; t < n; ++t) forces_[t].force = force[t];
   find_move(forces_);
-  find_heights(problem);
+  find_gaps(problem);
   return missed <= problem.slack + doubt_ && in_front(problem.slack);
 }
 
@@ -324,7 +324,7 @@ void SurfaceTouches::find_move(const std::vector<Force>& forces) {
 }
 
 /// Computes the gap functions of the planes after the motion.
-void SurfaceTouches::find_heights(const StepProblem& problem) {
+void SurfaceTouches::find_gaps(const StepProblem& problem) {
   gap_functions_.resize(planes_.size());
   operations().spend(6.0 * flat_ * double(move_.rows()) + 2 * Operations::of_place * double(planes_.size() - flat_));
   for (int q = 0; q < int(planes_.size()); ++q) {

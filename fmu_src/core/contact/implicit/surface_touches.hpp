@@ -76,14 +76,14 @@ class SurfaceTouches final : public ImplicitTouches {
   double way_of_free() const;
   void place_free(const Points& x);
   void find_lack();
-  StepStatus press(const StepProblem& problem, bool& lost);
+  StepStatus solve_normal_forces(const StepProblem& problem, bool& lost);
   void find_loads();
   bool in_front(double slack);
   bool take_loads();
-  bool rub(const StepProblem& problem);
-  bool rubs() const;
+  bool solve_friction(const StepProblem& problem);
+  bool has_friction() const;
   void find_move(const std::vector<Force>& forces);
-  void find_heights(const StepProblem& problem);
+  void find_gaps(const StepProblem& problem);
   void list_candidates();
   bool all_covered();
   Vec3 place(const StepProblem& problem, const SurfaceRow& row) const;

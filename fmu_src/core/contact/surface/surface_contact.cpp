@@ -101,7 +101,7 @@ void SurfaceContact::move_planes(const StepView& step) {
 }
 
 /// Computes the gaps above the planes. Returns whether a control point, or the sample of a supporting half-space, is behind one.
-bool SurfaceContact::find_heights(const Points& x1) {
+bool SurfaceContact::find_gaps(const Points& x1) {
   bool behind = false;
   for (std::size_t q = 0; q < end_.size(); ++q) {
     GapFunction& gap = drift_.gaps[q];
@@ -186,7 +186,7 @@ void SurfaceContact::find(const StepView& step, const Points& x1, const SurfaceR
     for (int q = 0; q < flat_ && !any; ++q)
       any = kernels::behind(step.body.points(), hull.data(), end_[q].normal.data(), end_[q].offset, behind_.data());
   }
-  near_ = (any && find_heights(x1)) || rows.drift[0] >= 0;
+  near_ = (any && find_gaps(x1)) || rows.drift[0] >= 0;
 }
 
 StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Points& v, Points& x1, SurfaceRows& rows,
@@ -199,12 +199,12 @@ StepStatus SurfaceContact::drift(const StepView& step, const Points& before, Poi
   pins_.begin(step.around, before);
   if (near_) {
     divide_work(drift_);
-    places_known_ = drift_.free() ? hold_free_drift(step, x1, rows) : hold_drift(step, v, x1, rows);
+    places_known_ = drift_.free() ? warm_start_free_drift(step, x1, rows) : warm_start_drift(step, v, x1, rows);
     StepStatus status = places_known_ ? StepStatus::ok : position_stage(step, v, x1, rows);
     for (int turns = 0; turns < most_lifts && status == StepStatus::ok && lift_tangents(step, x1, free); ++turns) {
       places_known_ = false;
       touching_.clear();
-      find_heights(x1);
+      find_gaps(x1);
       status = position_stage(step, v, x1, rows);
     }
     if (status != StepStatus::ok) return status;
@@ -257,14 +257,14 @@ double SurfaceContact::work() const { return (found_ + drift_.operations().done(
 
 /// Solves the drift's stage, and again while its result may have brought other samples to a solid.
 StepStatus SurfaceContact::position_stage(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
-  StepStatus status = meet_near(step, v, x1, rows);
+  StepStatus status = solve_near(step, v, x1, rows);
   for (int looks = 0; solids_ && status == StepStatus::ok; ++looks) {
     const double whole = tangents_.way(step.x0, x1 + drift_.move()) + obstacles_way(step.around);
     if (tangents_.covers(whole)) break;
     if (looks == most_looks || spent()) return StepStatus::not_finite;
     find_tangents(step.around, step.t0, step.t1, step.x0, 2 * whole);
-    find_heights(x1);
-    status = meet_near(step, v, x1, rows);
+    find_gaps(x1);
+    status = solve_near(step, v, x1, rows);
   }
   if (status != StepStatus::ok) return status;
   std::size_t known = 0;
@@ -283,7 +283,7 @@ StepStatus SurfaceContact::position_stage(const StepView& step, const Points& v,
 }
 
 /// Solves the drift's stage with the current supporting half-spaces.
-StepStatus SurfaceContact::meet_near(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
+StepStatus SurfaceContact::solve_near(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
   const double way = step.h * largest_speed(v);
   arrives_ = false;
   for (const bool at_once : {false, true}) {
@@ -316,7 +316,7 @@ bool SurfaceContact::gains(const StepView& step, const Points& x1) const {
 /// Changes the velocities after the closing kick so that these samples stay in front of their planes.
 StepStatus SurfaceContact::stop(const std::vector<Candidate>& candidates, const StepView& step, Points& v, const SurfaceRows& rows) {
   places_known_ = false;
-  const bool held = recall(rows.close, close_) && hold_close(step, v, candidates);
+  const bool held = recall(rows.close, close_) && warm_start_close(step, v, candidates);
   const StepStatus status = held ? StepStatus::ok : find_stop(candidates, step, v, rows);
   if (status == StepStatus::ok) close_.give(1, v);
   return status;
@@ -359,7 +359,7 @@ StepStatus SurfaceContact::close(const StepView& step, Points& v, SurfaceRows& r
   set_free(step.around, before, step.x0);
   if (holds_) lasting_ = touching_;
   close_.rows = drift_.rows;
-  if (close_.free() ? hold_free_close(step, v) : hold_close(step, v, touching_)) {
+  if (close_.free() ? warm_start_free_close(step, v) : warm_start_close(step, v, touching_)) {
     if (!close_.free() && !places_known_) at_hand_.at(step.x0, places_);
   } else {
     if (sticks()) {  // others would carry the body as well, but friction on them would not hold what these hold

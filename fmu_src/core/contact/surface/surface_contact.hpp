@@ -17,9 +17,9 @@
 /// energy on planes at rest: if th made it add any, the stage is solved again with th = 0.
 ///
 /// The active contact constraints and their friction are the warm start of the next step; they belong to the state (model/run.hpp). While
-/// a body rests, rolls or sways on one plane, they remain the solution in nearly every step (surface_hold.cpp). The closing starts with
-/// the constraints of the drift: among crowded samples many others would carry the body as well, but friction on those others could not
-/// hold what the constraints of the drift hold.
+/// a body rests, rolls or sways on one plane, they remain the solution in nearly every step (surface_warm_start.cpp). The closing starts
+/// with the constraints of the drift: among crowded samples many others would carry the body as well, but friction on those others could
+/// not hold what the constraints of the drift hold.
 #pragma once
 #include "contact/pin_impulses.hpp"
 #include "contact/surface/sample_rows.hpp"
@@ -103,7 +103,7 @@ class SurfaceContact {
   double book_own(const StepView& step, const SurfaceRow& row, const Vec3& place, const Vec3& impulse, Exchange& exchange);
   void book_free(const StepView& step, const std::vector<FreeState>& free, Exchange& exchange) const;
   void move_planes(const StepView& step);
-  bool find_heights(const Points& x1);
+  bool find_gaps(const Points& x1);
   void search(int q, const Scalars& gaps, double way);
   double slack_of_rows() const;
   StepStatus fit(const std::vector<Count>& rows, const Points& friction, double way, const Slip& slip);
@@ -112,7 +112,7 @@ class SurfaceContact {
   StepStatus find_stop(const std::vector<Candidate>& candidates, const StepView& step, const Points& v, const SurfaceRows& rows);
   void divide_work(SurfaceStage& stage);
   StepStatus position_stage(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
-  StepStatus meet_near(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
+  StepStatus solve_near(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
   Vec3 aim(const StepView& step, const Vec3& free, const SurfaceRow& row, bool at_once);
   bool gains(const StepView& step, const Points& x1) const;
   void find_places(const SurfaceStage& stage, const Points& x1);
@@ -128,13 +128,13 @@ class SurfaceContact {
   void find_speeds(const Points& v, int but = -1);
   double book(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
   double give_pins(const StepView& step, const SurfaceStage& stage, double per_force, Exchange& exchange);
-  // surface_hold.cpp
+  // surface_warm_start.cpp
   bool recall(const std::vector<Count>& numbers, SurfaceStage& stage) const;
-  bool hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
-  bool hold_free_drift(const StepView& step, const Points& x1, const SurfaceRows& rows);
-  bool hold_free_close(const StepView& step, const Points& v);
-  bool list_held(double h, const Points& v);
-  bool hold_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates);
+  bool warm_start_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows);
+  bool warm_start_free_drift(const StepView& step, const Points& x1, const SurfaceRows& rows);
+  bool warm_start_free_close(const StepView& step, const Points& v);
+  bool list_warm_started(double h, const Points& v);
+  bool warm_start_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates);
   bool fit_known(const std::vector<Count>& rows, const Points& friction, double tolerance, const Slip& slip);
   bool find_stop_of_known(const StepView& step, const Points& v, const SurfaceRows& rows);
   void list_touching();

@@ -34,7 +34,7 @@ StepStatus SurfaceContact::clear_jumps(const Body& body, const Drive& around, do
     const Points before = x;
     if (free) shift(x);
     set_planes();
-    find_heights(x);
+    find_gaps(x);
     const std::vector<Count> none;
     const StepStatus status = fit(none, {}, 0, [](const SurfaceRow&) { return Vec3(Vec3::Zero()); });
     if (status != StepStatus::ok) return status;
@@ -69,7 +69,7 @@ const std::vector<int>& SurfaceContact::near(int q, const Points& x) {
 /// point is behind a plane.
 bool SurfaceContact::gaps_at(const Drive& around, double time, const Points& x, double way, double& deepest) {
   if (solids_) find_tangents(around, time, time, x, way, false);
-  if (!find_heights(x)) return false;
+  if (!find_gaps(x)) return false;
   for (int q = 0; q < flat_; ++q) {
     if (!search_.covers(q, drift_.gaps[q].of_points)) search(q, drift_.gaps[q].of_points, 0);
     for (const int s : search_.near(q)) deepest = std::min(deepest, drift_.gaps[q].at(samples_, s));

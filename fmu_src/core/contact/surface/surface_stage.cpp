@@ -12,8 +12,8 @@ namespace {
 /// most_turns: largest number of times that all forces together and then the normal forces alone are found. balanced: all forces together
 /// may leave this fraction of the largest displacement that they cancel [1].
 constexpr int most_turns = 30;
-constexpr double balanced = 1e-13;
-/// Largest number of rounds in `settle`: in each of them a row has lost its normal force to friction.
+constexpr double exact_balance = 1e-13;
+/// Largest number of rounds in `solve_normal_forces`: in each of them a row has lost its normal force to friction.
 constexpr int most_settlings = 1000;
 /// A row that slid starts with an aim at this multiple of its friction limit, so that it may slide on.
 constexpr double slides_on = 2;
@@ -39,24 +39,24 @@ StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const 
   added_ = false;
   set_.delassus().set_rows(rows);
   p_.assign(rows.size(), Vec3::Zero());
-  const bool rubs = std::ranges::any_of(friction_, [](double each) { return each > 0; });
+  const bool has_friction = std::ranges::any_of(friction_, [](double each) { return each > 0; });
   const bool free = set_.delassus().free();
   before_ = rows;
-  bool at_once = rubs && (free || !parallel());
+  bool at_once = has_friction && (free || !parallel());
   if (!at_once) {
-    if (const StepStatus status = settle(tolerance); status != StepStatus::ok) return status;
+    if (const StepStatus status = solve_normal_forces(tolerance); status != StepStatus::ok) return status;
     const bool one_direction = parallel();
-    if (rubs && one_direction) rub(slip);
+    if (has_friction && one_direction) solve_friction(slip);
     find_forces();
     find_move();
-    at_once = rubs && !(one_direction && rubs_apart(tolerance));
+    at_once = has_friction && !(one_direction && stays_apart(tolerance));
   }
   if (at_once) {
     added_ = false;
     rows = before_;
     set_.delassus().set_rows(rows);
     p_.assign(rows.size(), Vec3::Zero());
-    const StepStatus status = free ? balance<Eigen::Matrix3d>(tolerance, slip) : balance<double>(tolerance, slip);
+    const StepStatus status = free ? solve_all_forces<Eigen::Matrix3d>(tolerance, slip) : solve_all_forces<double>(tolerance, slip);
     if (status != StepStatus::ok) return status;
     find_forces();
     find_move();
@@ -67,7 +67,7 @@ StepStatus SurfaceStage::solve(double tolerance, const std::function<Vec3(const 
   return StepStatus::ok;
 }
 
-bool SurfaceStage::hold(const std::vector<Vec3>& away) {
+bool SurfaceStage::warm_start(const std::vector<Vec3>& away) {
   const int plane = rows[0].plane, n = int(rows.size());
   const Vec3& normal = normals_[plane];
   const double friction = friction_[plane];
@@ -97,7 +97,7 @@ bool SurfaceStage::hold(const std::vector<Vec3>& away) {
   return true;
 }
 
-bool SurfaceStage::hold_free(const std::vector<Vec3>& away) {
+bool SurfaceStage::warm_start_free(const std::vector<Vec3>& away) {
   Delassus& delassus = set_.delassus();
   missed_ = 0;
   delassus.list_rows(rows);
@@ -123,7 +123,7 @@ bool SurfaceStage::parallel() const {
 }
 
 /// True if friction brings no sample behind a plane of another direction. The gaps above such planes lack friction and are computed anew.
-bool SurfaceStage::rubs_apart(double tolerance) {
+bool SurfaceStage::stays_apart(double tolerance) {
   if (rows.empty()) return true;
   const Samples& samples = set_.delassus().samples();
   for (int q = 0; q < int(gaps.size()); ++q) {
@@ -140,7 +140,7 @@ bool SurfaceStage::rubs_apart(double tolerance) {
 }
 
 /// Computes the friction at the current normal forces, starting from the friction of the rows active before.
-void SurfaceStage::rub(const std::function<Vec3(const SurfaceRow&)>& slip) {
+void SurfaceStage::solve_friction(const std::function<Vec3(const SurfaceRow&)>& slip) {
   limits_.clear();
   slips_.clear();
   for (std::size_t t = 0, u = 0; t < rows.size(); ++t) {
@@ -155,7 +155,7 @@ void SurfaceStage::rub(const std::function<Vec3(const SurfaceRow&)>& slip) {
 /// Solves for all forces of the current rows together, then for the normal forces beside this friction, so that no sample is behind a
 /// plane. Repeats both if other rows become active.
 template <class Block>
-StepStatus SurfaceStage::balance(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
+StepStatus SurfaceStage::solve_all_forces(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip) {
   force_.assign(rows.size(), Vec3::Zero());
   auto& [law, problem] = std::get<Law<Block>>(laws_);
   for (int turn = 0; turn < most_turns; ++turn) {
@@ -164,7 +164,7 @@ StepStatus SurfaceStage::balance(double tolerance, const std::function<Vec3(cons
     missed_ = left > problem.exact ? left / largest_free_ : 0;
     for (std::size_t t = 0; t < rows.size(); ++t) p_[t] = tangential(normals_[rows[t].plane], force_[t]);
     const std::vector<SurfaceRow> before = rows;
-    if (const StepStatus status = settle(tolerance); status != StepStatus::ok) return status;
+    if (const StepStatus status = solve_normal_forces(tolerance); status != StepStatus::ok) return status;
     if (std::includes(before.begin(), before.end(), rows.begin(), rows.end())) break;
     find_forces();
   }
@@ -211,12 +211,12 @@ void SurfaceStage::state_law(const std::function<Vec3(const SurfaceRow&)>& slip,
   }
   for (int t = 0; t < n && !first; ++t)
     for (int u = 0; u < n; ++u) problem.u[t] += problem.g[t * n + u] * force_[u];
-  problem.exact = balanced * largest_free_;
+  problem.exact = exact_balance * largest_free_;
   operations().spend(n * (Operations::of_value + Operations::of_place + 10.0 * n));
 }
 
 /// Computes the normal forces at the current friction, which only active rows have.
-StepStatus SurfaceStage::settle(double tolerance) {
+StepStatus SurfaceStage::solve_normal_forces(double tolerance) {
   for (int round = 0; round < most_settlings; ++round) {
     gaps = begin_;
     set_.delassus().push(p_, move_);

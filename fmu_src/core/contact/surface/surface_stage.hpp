@@ -12,7 +12,7 @@
 /// friction has become. If this makes other rows active, both are repeated.
 ///
 /// In nearly every step of lasting contact the current rows suffice and all of them stick. Then G f cancels gaps and slips at once: three
-/// right-hand sides for one factor. `hold` does that, to be tried before `solve`. The caller has to check what other samples do then.
+/// right-hand sides for one factor. `warm_start` does that, to be tried before `solve`. The caller has to check what other samples do then.
 #pragma once
 #include <functional>
 #include <tuple>
@@ -46,9 +46,9 @@ class SurfaceStage {
 
   /// True if the current rows, all on one plane, press on it and stick. away: of each row, distance at y0 from where it should be, along
   /// its normal and, if there is friction, across. On success the gaps of all planes are those of y.
-  bool hold(const std::vector<Vec3>& away);
+  bool warm_start(const std::vector<Vec3>& away);
   /// Does the same beside free bodies, for rows on any planes and without the factor of their normal forces.
-  bool hold_free(const std::vector<Vec3>& away);
+  bool warm_start_free(const std::vector<Vec3>& away);
   /// slip: of a row at y0, relative to where it would be if it stuck. On success `rows` and `fraction` are those of the rows active now.
   StepStatus solve(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
   const Vec3& force(int t) const { return force_[t]; }  ///< of an active row
@@ -71,13 +71,13 @@ class SurfaceStage {
   double limit(std::size_t t) const { return friction_[rows[t].plane] * set_.forces()[t]; }
   bool aligned(int p, int q) const;
   bool parallel() const;
-  bool rubs_apart(double tolerance);
-  void rub(const std::function<Vec3(const SurfaceRow&)>& slip);
+  bool stays_apart(double tolerance);
+  void solve_friction(const std::function<Vec3(const SurfaceRow&)>& slip);
   template <class Block>
-  StepStatus balance(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
+  StepStatus solve_all_forces(double tolerance, const std::function<Vec3(const SurfaceRow&)>& slip);
   template <class Block>
   void state_law(const std::function<Vec3(const SurfaceRow&)>& slip, bool first);
-  StepStatus settle(double tolerance);
+  StepStatus solve_normal_forces(double tolerance);
   void find_forces();
   void find_move();
   void add_motion(const Points& move) { set_.delassus().move_gaps(move, gaps); }

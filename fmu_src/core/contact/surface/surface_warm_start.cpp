@@ -30,7 +30,7 @@ bool SurfaceContact::recall(const std::vector<Count>& numbers, SurfaceStage& sta
 }
 
 /// Solves the drift's stage by the rows of the state, if all of them press and stick. False if not.
-bool SurfaceContact::hold_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
+bool SurfaceContact::warm_start_drift(const StepView& step, const Points& v, const Points& x1, const SurfaceRows& rows) {
   if (solids_ || drift_.free() || !recall(rows.drift, drift_)) return false;
   const int q = drift_.rows.front().plane;
   const HalfSpace& plane = end_[q];
@@ -45,10 +45,10 @@ bool SurfaceContact::hold_drift(const StepView& step, const Points& v, const Poi
     away_[t] = plane.gap(places_[t]) * plane.normal;
     if (friction_[q] > 0) away_[t] += tangential(plane.normal, slip);
   }
-  if (!drift_.hold(away_)) return false;
-  if (!list_held(step.h, v)) {
+  if (!drift_.warm_start(away_)) return false;
+  if (!list_warm_started(step.h, v)) {
     touching_.clear();
-    find_heights(x1);
+    find_gaps(x1);
     return false;
   }
   for (std::size_t t = 0; t < away_.size(); ++t) places_[t] -= away_[t];
@@ -57,7 +57,7 @@ bool SurfaceContact::hold_drift(const StepView& step, const Points& v, const Poi
 }
 
 /// Does the same for rows on solids, beside free bodies.
-bool SurfaceContact::hold_free_drift(const StepView& step, const Points& x1, const SurfaceRows& rows) {
+bool SurfaceContact::warm_start_free_drift(const StepView& step, const Points& x1, const SurfaceRows& rows) {
   const double slack = slack_of_rows(), touch = touching * length_;
   std::vector<SurfaceRow>& held = drift_.rows;
   held.clear();
@@ -82,7 +82,7 @@ bool SurfaceContact::hold_free_drift(const StepView& step, const Points& x1, con
   }
   if (held.empty() || !std::ranges::is_sorted(held)) return false;
   const std::vector<GapFunction> before = drift_.gaps;
-  bool holds = drift_.hold_free(away_) && tangents_.covers(tangents_.way(step.x0, x1 + drift_.move()) + obstacles_way(step.around));
+  bool holds = drift_.warm_start_free(away_) && tangents_.covers(tangents_.way(step.x0, x1 + drift_.move()) + obstacles_way(step.around));
   const auto see = [&](int q, int sample) {
     const double gap = drift_.gaps[q].at(samples_, sample);
     holds = holds && gap >= -slack;
@@ -103,7 +103,7 @@ bool SurfaceContact::hold_free_drift(const StepView& step, const Points& x1, con
   return true;
 }
 
-bool SurfaceContact::hold_free_close(const StepView& step, const Points& v) {
+bool SurfaceContact::warm_start_free_close(const StepView& step, const Points& v) {
   const std::vector<SurfaceRow>& rows = close_.rows;
   if (rows.empty() ||
       std::ranges::any_of(rows, [&](const SurfaceRow& row) { return row.plane < flat_ || own(row) || !(friction_[row.plane] > 0); }))
@@ -119,7 +119,7 @@ bool SurfaceContact::hold_free_close(const StepView& step, const Points& v) {
     fastest = std::max(fastest, std::abs(bounds.back()));
   }
   slack_ = row_slack * fastest;
-  if (!close_.hold_free(away_)) return false;
+  if (!close_.warm_start_free(away_)) return false;
   for (std::size_t c = 0; c < touching_.size(); ++c) {
     const SurfaceRow& row = touching_[c].row;
     if (!(close_.gaps[row.plane].at(samples_, row.sample) >= bounds[c] - velocity_slack * fastest)) return false;
@@ -129,7 +129,7 @@ bool SurfaceContact::hold_free_close(const StepView& step, const Points& v) {
 
 /// True if after the drift the current rows are on their plane and all other samples are in front of theirs. Lists the samples that
 /// touch. If many samples are near, and no control point that counts for one of them is behind the plane, lists the rows alone.
-bool SurfaceContact::list_held(double h, const Points& v) {
+bool SurfaceContact::list_warm_started(double h, const Points& v) {
   const double slack = slack_of_rows();
   const std::vector<SurfaceRow>& rows = drift_.rows;
   const int own = rows.front().plane;
@@ -158,7 +158,7 @@ bool SurfaceContact::list_held(double h, const Points& v) {
 }
 
 /// Solves the closing's stage by its rows, if all of them press and stick and the candidates stay in front of their planes. False if not.
-bool SurfaceContact::hold_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates) {
+bool SurfaceContact::warm_start_close(const StepView& step, const Points& v, const std::vector<Candidate>& candidates) {
   const std::vector<SurfaceRow>& rows = close_.rows;
   if (close_.free() || rows.empty() || rows.front().plane != rows.back().plane || rows.front().plane >= flat_) return false;
   const int own = rows.front().plane;
@@ -178,7 +178,7 @@ bool SurfaceContact::hold_close(const StepView& step, const Points& v, const std
     fastest = std::max(fastest, std::abs(bounds_[t]));
   }
   slack_ = row_slack * fastest;
-  if (!close_.hold(away_)) return false;
+  if (!close_.warm_start(away_)) return false;
   at_hand_.at(close_.gaps[own].of_points, gaps_);
   for (std::size_t t = 0; t < rows.size(); ++t)
     if (!(std::abs(gaps_[t] - bounds_[t]) <= slack_)) return false;
