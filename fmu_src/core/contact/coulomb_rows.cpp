@@ -28,9 +28,6 @@ double mean(double block) { return block; }
 double mean(const Mat3& block) { return block.trace() / 3; }
 double transposed(double block) { return block; }
 Mat3 transposed(const Mat3& block) { return block.transpose(); }
-/// Number of unknowns of a row in the matrix: one if a number stands for all three directions.
-template <class Block>
-constexpr int unknowns = std::is_same_v<Block, Mat3> ? 3 : 1;
 
 /// Returns the projection of an aim onto the forces that the law allows.
 INNER Vec3 allowed(const Vec3& normal, double friction, const Vec3& aim) {
@@ -109,10 +106,9 @@ bool CoulombRows<Block>::newton_step(const Problem& problem, Operations& operati
   for (int i = 0; i < m; ++i) change_[i] = -u_[touching_[i]];
   let_go(problem, force);
   assemble(problem);
-  factor_.factor();
-  for_all_sides([&] { factor_.eliminate(); });
+  matrix_.eliminate(change_);
   if (!solve_sliding(problem, force)) return false;
-  for_all_sides([&] { factor_.substitute(); });
+  matrix_.substitute(change_);
   for (int i = 0; i < m; ++i) force[touching_[i]] += change_[i];
   return true;
 }
@@ -120,51 +116,12 @@ bool CoulombRows<Block>::newton_step(const Problem& problem, Operations& operati
 /// Assembles G of the touching rows, sticking rows first.
 template <class Block>
 void CoulombRows<Block>::assemble(const Problem& problem) {
-  constexpr int d = unknowns<Block>;
   const int n = int(aims_.size()), m = int(touching_.size()), sticking = int(sticking_.size());
-  factor_.resize(d * sticking, d * (m - sticking));
+  matrix_.resize(sticking, m);
   for (int j = 0; j < m; ++j) {
     const Block* row = &problem.g[touching_[j] * n];
-    for (int i = j; i < m; ++i) set(d * i, d * j, row[touching_[i]]);
-    for (int a = 0; a < d && j < sticking; ++a) factor_(d * j + a, d * j + a) += regular * own_[touching_[j]];
-  }
-}
-
-/// Sets block (i, j) of the symmetric matrix from its block (j, i).
-template <class Block>
-void CoulombRows<Block>::set(int i, int j, const Block& transposed) {
-  if constexpr (std::is_same_v<Block, Mat3>) {
-    for (int b = 0; b < 3; ++b)
-      for (int a = i == j ? b : 0; a < 3; ++a) factor_(i + a, j + b) = transposed(b, a);
-  } else {
-    factor_(i, j) = transposed;
-  }
-}
-
-/// Calls solve() with `change_` as the right-hand side, once or for each of the three directions, and stores the result in `change_`.
-template <class Block>
-template <class Solve>
-void CoulombRows<Block>::for_all_sides(Solve solve) {
-  constexpr int d = unknowns<Block>;
-  for (int side = 0; side < 3; side += d) {
-    for (std::size_t i = 0; i < change_.size(); ++i)
-      for (int a = 0; a < d; ++a) factor_.right(d * int(i) + a) = change_[i][side + a];
-    solve();
-    for (std::size_t i = 0; i < change_.size(); ++i)
-      for (int a = 0; a < d; ++a) change_[i][side + a] = factor_.right(d * int(i) + a);
-  }
-}
-
-/// Returns block (i, j), i >= j, of the Schur complement that is left for the sliding rows.
-template <class Block>
-Block CoulombRows<Block>::left(int i, int j) {
-  if constexpr (std::is_same_v<Block, Mat3>) {
-    Mat3 block;
-    for (int b = 0; b < 3; ++b)
-      for (int a = 0; a < 3; ++a) block(a, b) = i == j && a < b ? factor_(3 * i + b, 3 * j + a) : factor_(3 * i + a, 3 * j + b);
-    return block;
-  } else {
-    return factor_(i, j);
+    for (int i = j; i < m; ++i) matrix_.set(i, j, row[touching_[i]]);
+    if (j < sticking) matrix_.add_to_diagonal(j, regular * own_[touching_[j]]);
   }
 }
 
@@ -228,7 +185,7 @@ bool CoulombRows<Block>::solve_sliding(const Problem& problem, const std::vector
     const Vec3 &normal = problem.normals[s], turned = own.turn / own_[s] * own.across;
     double *top = &slopes_[std::size_t(2 * i) * size], *below = top + size;
     for (int j = 0; j < k; ++j) {
-      const Block block = i >= j ? left(at, first + j) : transposed(left(first + j, at));
+      const Block block = i >= j ? matrix_.left(at, first + j) : transposed(matrix_.left(first + j, at));
       const Vec3 along = block * sliding_[j].along, across = block * sliding_[j].across;
       top[2 * j] = normal.dot(along);
       top[2 * j + 1] = normal.dot(across);

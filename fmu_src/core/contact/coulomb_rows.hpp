@@ -12,14 +12,14 @@
 /// derivative of P, a Newton step solves f = D (f - u / r). It depends only on the direction of the aim a = f - u / r of each row:
 ///
 ///      open:    f = 0
-///      sticks:  u = 0, which involves G alone: these rows are eliminated by a partial factor of G
+///      sticks:  u = 0, which involves G alone: these rows are eliminated (sticking_rows.hpp)
 ///      slides:  f = l (n + mu a) + k c along its aim a and across it, c = n x a, with n . u = 0 and k = T (k - c . u / r);
 ///               T = mu n . aim / |aim - n n . aim|: how far the force turns with its aim
 #pragma once
 #include <vector>
 
 #include "contact/operations.hpp"
-#include "matrix/partial_factor.hpp"
+#include "contact/sticking_rows.hpp"
 #include "model/types.hpp"
 
 namespace softffd {
@@ -55,10 +55,6 @@ class CoulombRows {
   void sort(const Problem& problem);
   void let_go(const Problem& problem, std::vector<Vec3>& force);
   void assemble(const Problem& problem);
-  void set(int i, int j, const Block& transposed);
-  template <class Solve>
-  void for_all_sides(Solve solve);
-  Block left(int i, int j);
   bool solve_sliding(const Problem& problem, const std::vector<Vec3>& force);
   void sweep(const Problem& problem, std::vector<Vec3>& force);
 
@@ -67,7 +63,7 @@ class CoulombRows {
   std::vector<Vec3> u_, aims_;                   ///< displacements and aims at the forces that `look` has seen
   std::vector<int> sticking_, rest_, touching_;  ///< rows that stick; that do not stick; that are not open, sticking rows first
   std::vector<Sliding> sliding_;                 ///< of the touching rows after the sticking ones
-  PartialFactor factor_;                         ///< of the touching rows; sticking rows are eliminated
+  StickingRows<Block> matrix_;                   ///< of the touching rows
   std::vector<Vec3> change_;                     ///< of the touching rows: change of displacements, then of forces
   std::vector<double> slopes_, right_;
   Count iterations_ = 0;
