@@ -1,8 +1,9 @@
 /// Elimination of the contact constraints that stick, in a Newton step of coulomb_rows.hpp: their displacements vanish, so that only the
 /// Schur complement of the sliding constraints is left to solve with.
 ///
-/// Numbers, of a body that masses alone hold, are few in explicit steps: plain loops. Blocks of an implicit step may be hundreds: the
-/// panels of a partial Cholesky factor. Measured, each is 1.3 to 5 times as fast there as the other one.
+/// Numbers, of a body that masses alone hold, are few in explicit steps: plain loops. Measured for 386 vertices that rest on a sphere,
+/// panels made a step 1.2 to 1.3 times as long. Blocks of an implicit step may be hundreds: panels of a partial Cholesky factor. Measured
+/// for cubes of 10^3 and 13^3 nodes that fall flat, plain loops over blocks made the run 1.15 times as long.
 #pragma once
 #include "matrix/partial_factor.hpp"
 #include "model/types.hpp"
