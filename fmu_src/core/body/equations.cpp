@@ -91,7 +91,7 @@ void Ledger::ends(const Equations& equations, double t0, const Points& x0, const
   end(equations, 1, t1, x1, v1);
 }
 
-void Ledger::settle(Exchange& exchange) const {
+void Ledger::add_to(Exchange& exchange) const {
   for (std::size_t a = 0; a < pins_.size(); ++a) exchange.pins[a].force += pins_[a].force, exchange.pins[a].torque += pins_[a].torque;
   exchange.dissipated += dissipated_;
   exchange.work += work_;

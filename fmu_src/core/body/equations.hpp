@@ -49,7 +49,7 @@ class Ledger {
   /// Adds work [J] and dissipated energy [J] that the method itself has computed.
   void book(double work, double dissipated) { work_ += work, dissipated_ += dissipated; }
   /// Adds the sums of the step to the exchange.
-  void settle(Exchange& exchange) const;
+  void add_to(Exchange& exchange) const;
 
  private:
   void end(const Equations& equations, double sign, double t, const Points& x, const Points& v);

@@ -51,7 +51,8 @@ const auto add_lines_here = chosen<add_lines>();
 
 namespace {
 
-double weigh(const double* x, const double* y, const double* z, const std::array<int, 3>& n, const double* values, int line, int layer) {
+double weighted_sum(const double* x, const double* y, const double* z, const std::array<int, 3>& n, const double* values, int line,
+                    int layer) {
   double sum = 0;
   for (int k = 0; k < n[2]; ++k)
     for (int j = 0; j < n[1]; ++j) {
@@ -127,7 +128,7 @@ void Samples::at(int s, const double* values, std::ptrdiff_t column, double* sum
   values += begin(s);
   if (fours_) return (columns == 1 ? kernels::weigh_one : kernels::weigh_three)(factors(s), values, line, layer, column, sums);
   const double *x = factors(s), *y = x + width_[0], *z = y + width_[1];
-  for (int c = 0; c < columns; ++c) sums[c] = weigh(x, y, z, width_, values + c * column, line, layer);
+  for (int c = 0; c < columns; ++c) sums[c] = weighted_sum(x, y, z, width_, values + c * column, line, layer);
 }
 
 void Samples::weights(int s, const Scalars& scale, double* out) const {
@@ -162,8 +163,8 @@ double Samples::product(int t, int s, const double* of_s) const {
     factor[a] += first - first_[t][a];
     begin[a] = first - first_[s][a];
   }
-  return weigh(factor[0], factor[1], factor[2], common, of_s + begin[0] + width_[0] * (begin[1] + width_[1] * begin[2]), width_[0],
-               width_[0] * width_[1]);
+  return weighted_sum(factor[0], factor[1], factor[2], common, of_s + begin[0] + width_[0] * (begin[1] + width_[1] * begin[2]), width_[0],
+                      width_[0] * width_[1]);
 }
 
 void Samples::mark(int s, double value, double* values) const {

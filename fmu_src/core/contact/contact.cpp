@@ -95,7 +95,8 @@ StepStatus Contact::drift(const StepView& step, const Points& before, Points& v,
   }
   if (!(same_ && grouped_ == step.body.version) && !group(step, x1)) return StepStatus::pin_behind_plane;
   if (!at_hand) gather(step, before, v, x1);
-  for (int o = 0; o < used_; ++o) impacts_ += std::popcount(meet(approach_[octets_[o].plane], touching * step.body.length, octets_[o]));
+  for (int o = 0; o < used_; ++o)
+    impacts_ += std::popcount(position_stage(approach_[octets_[o].plane], touching * step.body.length, octets_[o]));
   for (int o = 0; o < used_; ++o) {
     Octet& octet = octets_[o];
     if (end_.size() == 1)
@@ -188,16 +189,16 @@ int Contact::deepest(const Vec3& x1) const {
 
 StepStatus Contact::close(const StepView& step, Points& v, Exchange& exchange) {
   for (int o = 0; o < used_; ++o)
-    if (Octet& octet = octets_[o]; alone(octet)) settle_and_weigh(approach_[octet.plane], v, step.spring, step.force, octet);
+    if (Octet& octet = octets_[o]; alone(octet)) close_step(approach_[octet.plane], v, step.spring, step.force, octet);
   return book_close(step, v, exchange);
 }
 
 StepStatus Contact::close_and_go_on(const StepView& step, Points& v, Points& x1, Exchange& exchange) {
   for (int o = 0; o < used_; ++o)
-    if (Octet& octet = octets_[o]; alone(octet)) settle_and_go_on(approach_[octet.plane], v, step.spring, step.force, octet, x1);
+    if (Octet& octet = octets_[o]; alone(octet)) close_and_open(approach_[octet.plane], v, step.spring, step.force, octet, x1);
   if (const StepStatus status = book_close(step, v, exchange); status != StepStatus::ok) return status;
   for (int o = 0; o < used_; ++o)
-    if (Octet& octet = octets_[o]; !alone(octet)) go_on(step.h, octet, x1);
+    if (Octet& octet = octets_[o]; !alone(octet)) open_step(step.h, octet, x1);
   at_hand_ = true;
   return StepStatus::ok;
 }

@@ -103,7 +103,7 @@ class Contact {
   bool same_ = false;      ///< the points found are the same as in the drift before
   bool at_hand_ = false;   ///< the octets already hold the data of the step that has begun
   Count grouped_ = -1;     ///< version of the body for which octets hold the points of the last drift; -1: none
-  Octet unsettled_;        ///< an octet before its closing correction
+  Octet before_closing_;   ///< an octet before its closing correction
   std::vector<int> open_;  ///< (planes) octet that still has room; -1: none
   std::vector<Constraint> constraints_;
   std::vector<int> active_;  ///< plane of each constraint

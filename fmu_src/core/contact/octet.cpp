@@ -182,7 +182,7 @@ INNER unsigned meet_plane(const Approach& plane, double touching, Octet& octet) 
 }
 
 template <int n>
-INNER unsigned meet(const Approach& plane, double touching, Octet& octet) {
+INNER unsigned position_stage(const Approach& plane, double touching, Octet& octet) {
   return plane.still ? meet_plane<n, true>(plane, touching, octet) : meet_plane<n, false>(plane, touching, octet);
 }
 
@@ -212,7 +212,8 @@ INNER void put_both(const Octet& octet, Points& x1, Points& v) {
 }
 
 template <int n, bool still>
-INNER void settle_some(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside, int lane, Octet& octet) {
+INNER void velocity_of_some(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside, int lane,
+                            Octet& octet) {
   const Uniform normal = uniform(plane.end.normal);
   const Triple<n> x1 = load<n>(octet.x1, lane), before = load<n>(octet.v, lane);
   const Triple<n> v = fetch<n>(octet, kicked, lane);
@@ -231,7 +232,7 @@ INNER void settle_some(const Approach& plane, const Points& kicked, const Points
 }
 
 template <int n>
-INNER void weigh_some(double h, int lane, Octet& octet) {
+INNER void energy_of_some(double h, int lane, Octet& octet) {
   const Triple<n> force = 0.5 * (load<n>(octet.force, lane) + load<n>(octet.spring, lane) + load<n>(octet.outside, lane));
   const Triple<n> mean = 0.5 * (load<n>(octet.before, lane) + load<n>(octet.v, lane));
   const Triple<n> travel = load<n>(octet.x1, lane) - load<n>(octet.x0, lane);
@@ -239,7 +240,7 @@ INNER void weigh_some(double h, int lane, Octet& octet) {
 }
 
 template <int n>
-INNER void go_on_some(double h, int lane, Octet& octet) {
+INNER void open_some(double h, int lane, Octet& octet) {
   const Triple<n> force = load<n>(octet.spring, lane) + load<n>(octet.outside, lane);
   const Triple<n> x0 = load<n>(octet.x1, lane), before = load<n>(octet.v, lane);
   const Triple<n> v = load<n>(octet.keep + lane) * before + load<n>(octet.gain + lane) * force;
@@ -251,54 +252,54 @@ INNER void go_on_some(double h, int lane, Octet& octet) {
 }
 
 template <int n>
-INNER void settle(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside, Octet& octet) {
+INNER void velocity_stage(const Approach& plane, const Points& kicked, const Points& spring, const Points& outside, Octet& octet) {
   for (int lane = 0; lane < Octet::lanes; lane += n) {
     if (plane.still)
-      settle_some<n, true>(plane, kicked, spring, outside, lane, octet);
+      velocity_of_some<n, true>(plane, kicked, spring, outside, lane, octet);
     else
-      settle_some<n, false>(plane, kicked, spring, outside, lane, octet);
+      velocity_of_some<n, false>(plane, kicked, spring, outside, lane, octet);
   }
 }
 
 template <int n>
-INNER void weigh(double h, Octet& octet, Points& v) {
+INNER void account_energy(double h, Octet& octet, Points& v) {
   for (int lane = 0; lane < Octet::lanes; lane += n) {
-    weigh_some<n>(h, lane, octet);
+    energy_of_some<n>(h, lane, octet);
     put<n>(octet, lane, load<n>(octet.v, lane), v);
   }
 }
 
 template <int n>
-INNER void go_on(double h, Octet& octet, Points& x1) {
+INNER void open_step(double h, Octet& octet, Points& x1) {
   for (int lane = 0; lane < Octet::lanes; lane += n) {
-    go_on_some<n>(h, lane, octet);
+    open_some<n>(h, lane, octet);
     put<n>(octet, lane, load<n>(octet.x1, lane), x1);
   }
 }
 
 template <int n>
-INNER void settle_and_weigh(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet) {
-  settle<n>(plane, v, spring, outside, octet);
-  weigh<n>(plane.h, octet, v);
+INNER void close_step(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet) {
+  velocity_stage<n>(plane, v, spring, outside, octet);
+  account_energy<n>(plane.h, octet, v);
 }
 
-/// Does `settle`, `weigh` and `go_on` for one register after the other. `put` comes last, so that until then all values stay in
-/// registers.
+/// Does `velocity_stage`, `account_energy` and `open_step` for one register after the other. `put` comes last, so that until then all
+/// values stay in registers.
 template <int n, bool still>
-INNER void settle_and_go_on_from(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
+INNER void close_and_open_from(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
   for (int lane = 0; lane < Octet::lanes; lane += n) {
-    settle_some<n, still>(plane, v, spring, outside, lane, octet);
-    weigh_some<n>(plane.h, lane, octet);
-    go_on_some<n>(plane.h, lane, octet);
+    velocity_of_some<n, still>(plane, v, spring, outside, lane, octet);
+    energy_of_some<n>(plane.h, lane, octet);
+    open_some<n>(plane.h, lane, octet);
     put<n>(octet, lane, load<n>(octet.before, lane), v);
     put<n>(octet, lane, load<n>(octet.x1, lane), x1);
   }
 }
 
 template <int n>
-INNER void settle_and_go_on(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
-  if (plane.still) return settle_and_go_on_from<n, true>(plane, v, spring, outside, octet, x1);
-  settle_and_go_on_from<n, false>(plane, v, spring, outside, octet, x1);
+INNER void close_and_open(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
+  if (plane.still) return close_and_open_from<n, true>(plane, v, spring, outside, octet, x1);
+  close_and_open_from<n, false>(plane, v, spring, outside, octet, x1);
 }
 
 template <int n>
@@ -313,30 +314,32 @@ INNER Sides sides(const HalfSpace& plane, const Octet& octet, double bound) {
 }
 
 const auto fetch_here = chosen<fetch_all<2>, fetch_all<4>, fetch_all<8>>();
-const auto meet_here = chosen<meet<2>, meet<4>, meet<8>>();
+const auto position_stage_here = chosen<position_stage<2>, position_stage<4>, position_stage<8>>();
 const auto put_here = chosen<put_both<2>, put_both<4>, put_both<8>>();
-const auto settle_here = chosen<settle<2>, settle<4>, settle<8>>();
-const auto weigh_here = chosen<weigh<2>, weigh<4>, weigh<8>>();
-const auto settle_and_weigh_here = chosen<settle_and_weigh<2>, settle_and_weigh<4>, settle_and_weigh<8>>();
-const auto settle_and_go_on_here = chosen<settle_and_go_on<2>, settle_and_go_on<4>, settle_and_go_on<8>>();
-const auto go_on_here = chosen<go_on<2>, go_on<4>, go_on<8>>();
+const auto velocity_stage_here = chosen<velocity_stage<2>, velocity_stage<4>, velocity_stage<8>>();
+const auto account_energy_here = chosen<account_energy<2>, account_energy<4>, account_energy<8>>();
+const auto close_step_here = chosen<close_step<2>, close_step<4>, close_step<8>>();
+const auto close_and_open_here = chosen<close_and_open<2>, close_and_open<4>, close_and_open<8>>();
+const auto open_step_here = chosen<open_step<2>, open_step<4>, open_step<8>>();
 const auto sides_here = chosen<sides<2>, sides<4>, sides<8>>();
 
 }  // namespace kernels
 
 void fetch(const Gathered& all, Octet& octet) { kernels::fetch_here(all, octet); }
-unsigned meet(const Approach& plane, double touching, Octet& octet) { return kernels::meet_here(plane, touching, octet); }
+unsigned position_stage(const Approach& plane, double touching, Octet& octet) {
+  return kernels::position_stage_here(plane, touching, octet);
+}
 void put(const Octet& octet, Points& x1, Points& v) { kernels::put_here(octet, x1, v); }
-void settle(const Approach& plane, const Points& v, const Points& spring, const Points& outside, Octet& octet) {
-  kernels::settle_here(plane, v, spring, outside, octet);
+void velocity_stage(const Approach& plane, const Points& v, const Points& spring, const Points& outside, Octet& octet) {
+  kernels::velocity_stage_here(plane, v, spring, outside, octet);
 }
-void weigh(double h, Octet& octet, Points& v) { kernels::weigh_here(h, octet, v); }
-void settle_and_weigh(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet) {
-  kernels::settle_and_weigh_here(plane, v, spring, outside, octet);
+void account_energy(double h, Octet& octet, Points& v) { kernels::account_energy_here(h, octet, v); }
+void close_step(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet) {
+  kernels::close_step_here(plane, v, spring, outside, octet);
 }
-void go_on(double h, Octet& octet, Points& x1) { kernels::go_on_here(h, octet, x1); }
-void settle_and_go_on(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
-  kernels::settle_and_go_on_here(plane, v, spring, outside, octet, x1);
+void open_step(double h, Octet& octet, Points& x1) { kernels::open_step_here(h, octet, x1); }
+void close_and_open(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1) {
+  kernels::close_and_open_here(plane, v, spring, outside, octet, x1);
 }
 Sides sides(const HalfSpace& plane, const Octet& octet, double gap) { return kernels::sides_here(plane, octet, gap); }
 

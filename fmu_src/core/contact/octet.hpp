@@ -39,7 +39,7 @@ struct Octet {
     for (int lane = count++; lane < lanes; ++lane) point[lane] = p;
   }
 
-  /// Copies one lane of the results of `settle` from another octet.
+  /// Copies one lane of the results of `velocity_stage` from another octet.
   void take(int lane, const Octet& other) {
     for (auto part : {&Octet::v, &Octet::impulse, &Octet::torque, &Octet::received})
       for (int c = 0; c < 3; ++c) (this->*part)[c][lane] = (other.*part)[c][lane];
@@ -69,21 +69,21 @@ struct Gathered {
 void fetch(const Gathered& all, Octet& octet);
 /// Corrects x1 and v after the free drift, and sets `alone` as if there were no other plane. Gaps up to `touching` [m] count as contact.
 /// Returns the bits of the lanes whose points came onto the plane, without those whose points were on the plane already.
-unsigned meet(const Approach& plane, double touching, Octet& octet);
-/// To be called after `meet`: writes x1 and v to the arrays of all points.
+unsigned position_stage(const Approach& plane, double touching, Octet& octet);
+/// To be called after `position_stage`: writes x1 and v to the arrays of all points.
 void put(const Octet& octet, Points& x1, Points& v);
 /// Corrects the octet's v after the closing half kick by these forces; v: velocities of all points after that kick.
-void settle(const Approach& plane, const Points& v, const Points& spring, const Points& outside, Octet& octet);
-/// To be called after `settle`: computes the energy that contact took from each point in the step, and writes v to the array of all
+void velocity_stage(const Approach& plane, const Points& v, const Points& spring, const Points& outside, Octet& octet);
+/// To be called after `velocity_stage`: computes the energy that contact took from each point in the step, and writes v to the array of all
 /// points. Over the step the kinetic energy of a point changes by (J + h F) . w, where J is the impulse of the point's contacts, F the
 /// mean of the forces at both ends and w the mean of the velocities there; the work of the forces is F . (x1 - x0).
-void weigh(double h, Octet& octet, Points& v);
-/// `settle` and `weigh`.
-void settle_and_weigh(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet);
+void account_energy(double h, Octet& octet, Points& v);
+/// `velocity_stage` and `account_energy`.
+void close_step(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet);
 /// Does the next step's opening half kick and free drift from the end of this step; writes x1 to the array of all points, v stays here.
-void go_on(double h, Octet& octet, Points& x1);
-/// `settle`, `weigh` and `go_on`.
-void settle_and_go_on(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1);
+void open_step(double h, Octet& octet, Points& x1);
+/// `velocity_stage`, `account_energy` and `open_step`.
+void close_and_open(const Approach& plane, Points& v, const Points& spring, const Points& outside, Octet& octet, Points& x1);
 /// Bits of the lanes where the gap of x1 is at least, and at most, a given value [m].
 struct Sides {
   unsigned at_least, at_most;

@@ -80,15 +80,15 @@ StepStatus Contact::drift_lane(const StepView& step, Octet& octet, int lane, Vec
 
 /// Corrects v after the closing half kick for an octet in which not all points touch the octet's plane alone.
 StepStatus Contact::close_lanes(const StepView& step, Points& v, Octet& octet, Exchange& exchange) {
-  unsettled_ = octet;
-  settle(approach_[octet.plane], v, step.spring, step.force, octet);
+  before_closing_ = octet;
+  velocity_stage(approach_[octet.plane], v, step.spring, step.force, octet);
   book(octet, octet.alone, exchange);
   for (int lane = 0; lane < octet.count; ++lane) {
     if (octet.alone >> lane & 1) continue;
     const StepStatus status = close_lane(step, v, octet, lane, exchange);
     if (status != StepStatus::ok) return status;
   }
-  weigh(step.h, octet, v);
+  account_energy(step.h, octet, v);
   return StepStatus::ok;
 }
 
@@ -98,15 +98,15 @@ StepStatus Contact::close_lane(const StepView& step, const Points& kicked, Octet
   for (std::size_t q = 0; q < end_.size(); ++q)
     if (end_[q].gap(x1) <= touching * step.body.length) active_.push_back(int(q));
   if (active_.size() == 1) {
-    Octet other = unsettled_;
-    settle(approach_[active_[0]], kicked, step.spring, step.force, other);
+    Octet other = before_closing_;
+    velocity_stage(approach_[active_[0]], kicked, step.spring, step.force, other);
     octet.take(lane, other);
     other.plane = active_[0];
     book(other, 1u << lane, exchange);
     return StepStatus::ok;
   }
   Vec3 v = row(kicked, octet.point[lane]);
-  octet.take(lane, unsettled_);
+  octet.take(lane, before_closing_);
   set_lane(octet.v, lane, v);
   if (active_.empty()) return StepStatus::ok;
   constraints_.clear();

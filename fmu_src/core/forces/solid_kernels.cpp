@@ -79,7 +79,7 @@ INNER void viscous_stress(const SolidBody& body, double time, double drift, cons
 }
 
 template <int n>
-INNER void weigh(const SolidBody& body, Rows<n>* P) {
+INNER void apply_weights(const SolidBody& body, Rows<n>* P) {
   for (int r = 0; r < rows; ++r) {
     const Four<n> w = load_four<n>(body.shape.weight[r]);
     for (int i = 0; i < 9; ++i) P[i][r] = w * P[i][r];
@@ -155,7 +155,7 @@ INNER void tangent(const SolidBody& body, double softening, double per_time, con
         G[i][r] = per_time > 0 ? all + V[i][r] : all;
       }
     }
-    weigh<n>(body, G);
+    apply_weights<n>(body, G);
     subtract_divergences<n>(body, G, f + at);
   });
 }

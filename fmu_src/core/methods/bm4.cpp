@@ -127,7 +127,7 @@ void Bm4::step(const Equations& equations, double t, double h, State& state, Exc
   if (pins) equations.place_pins(t + h, state.x, state.v);
   if (!recording) return;
   ledger_.ends(equations, t, start_x_, start_v_, t + h, state.x, state.v);
-  ledger_.settle(exchange);
+  ledger_.add_to(exchange);
 }
 
 }  // namespace softffd

@@ -27,7 +27,7 @@ void OneStep::keep(const Model& model, Run& run) {
   motion.x.swap(x);
   motion.v.swap(v);
   model.body.internal_force(motion.x, motion.spring);
-  if (ledger.recording()) ledger.settle(run.physical.exchange);
+  if (ledger.recording()) ledger.add_to(run.physical.exchange);
 }
 
 Outcome OneStep::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {

@@ -132,7 +132,7 @@ bool leapfrog_is_enough(const Candidates& candidates) { return !(candidates.leap
 
 /// An implicit candidate wins if it has done the communication step within its budget. Any other candidate needs clearly less work than the
 /// winner of the last trial runs.
-Winner settle(const Candidates& candidates) {
+Winner best_of(const Candidates& candidates) {
   if (candidates.implicit_work < infinity)
     return {candidates.implicit, candidates.implicit_work,
             candidates.implicit == Method::floating_frame ? Reason::free_flight : Reason::quiet_stiffness};

@@ -89,7 +89,7 @@ struct Winner {
   double work;
   Reason reason;
 };
-Winner settle(const Candidates& candidates);
+Winner best_of(const Candidates& candidates);
 /// True if leapfrog at its stability limit, or nearly there, is accurate enough.
 bool leapfrog_is_enough(const Candidates& candidates);
 

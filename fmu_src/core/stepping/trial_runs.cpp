@@ -80,11 +80,11 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
         calibrate(Method::bm4, use::trial_rounds_bm4);
         candidates.bm4 = fixed_work(context, Method::bm4, H);
       }
-      if (may_pay && body.dashpots()) try_implicit(integrators, context, H, settle(candidates).work, candidates);
-      if (settle(candidates).method == Method::leapfrog) calibrate(Method::leapfrog, use::trial_rounds_left);
+      if (may_pay && body.dashpots()) try_implicit(integrators, context, H, best_of(candidates).work, candidates);
+      if (best_of(candidates).method == Method::leapfrog) calibrate(Method::leapfrog, use::trial_rounds_left);
     }
   }
-  const Winner winner = settle(candidates);
+  const Winner winner = best_of(candidates);
   TrialRecord& record = context.run.control.trials;
   const double work = context.run.control.work;
   record.winner = winner.method;

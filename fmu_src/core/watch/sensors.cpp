@@ -46,7 +46,7 @@ Vec3 Sensors::area(int at, const Points& x) const {
 }
 
 /// Collects the places that touch this obstacle, and the samples near it, with the obstacle's impulses on them.
-void Sensors::meet(const Plane& obstacle, double within, const Points& impulses, const State& motion) {
+void Sensors::find_touches(const Plane& obstacle, double within, const Points& impulses, const State& motion) {
   touches_.clear();
   const double near = near_by * lattice_.cell().minCoeff();
   const SolidPose pose = obstacle.pose_at(motion.time);
@@ -71,7 +71,7 @@ void Sensors::read(const Drive& drive, double within, Run& run) {
   for (std::size_t q = 0; q < drive.planes.size(); ++q) {
     const Points& impulses = run.physical.exchange.touched[q];
     if (impulses.isZero(0)) continue;
-    meet(drive.planes[q], within, impulses, run.physical.motion);
+    find_touches(drive.planes[q], within, impulses, run.physical.motion);
     if (spread_) spread_->distribute(load_);
     const Scalars pressure = (load_.area > 0).select(load_.along / load_.area, 0.0);
     const double faint = pressed_part * pressure.maxCoeff();

@@ -19,7 +19,7 @@ class Sensors {
   void read(const Drive& drive, double within, Run& run);
 
  private:
-  void meet(const Plane& obstacle, double within, const Points& impulses, const State& motion);
+  void find_touches(const Plane& obstacle, double within, const Points& impulses, const State& motion);
   void show(const Patch& patch, const Run& run, SensorReading& reading) const;
   Vec3 place(int at, const Points& x) const { return samples_ ? samples_->at(at, x) : row(x, at); }
   Vec3 area(int at, const Points& x) const;

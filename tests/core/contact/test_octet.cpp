@@ -32,7 +32,7 @@ Octet approaching(const Approach& plane) {
 
 Octet met(const Approach& plane, const Octet& free, unsigned& landed) {
   Octet octet = free;
-  landed = meet(plane, 1e-12, octet);
+  landed = position_stage(plane, 1e-12, octet);
   return octet;
 }
 
@@ -80,7 +80,7 @@ TEST(momentum_of_those_that_stay_is_what_the_plane_receives) {
   for (int lane = 0; lane < Octet::lanes; ++lane) set_row(kicked, octet.point[lane], lane_of(octet.v, lane));
   set_row(kicked, octet.point[2], lane_of(octet.v, 2) - 3 * turning.normal);
   set_row(kicked, octet.point[5], lane_of(octet.v, 5) + 3 * turning.normal);
-  settle(plane, kicked, none, none, octet);
+  velocity_stage(plane, kicked, none, none, octet);
   for (int lane = 0; lane < Octet::lanes; ++lane) {
     const Vec3 slip = lane_of(octet.v, lane) - turning.material_velocity(lane_of(octet.x1, lane));
     CHECK(turning.normal.dot(slip) >= -1e-15);
@@ -121,9 +121,9 @@ TEST(an_end_and_the_next_beginning_at_once_are_both_to_the_last_bit_and_so_is_a_
       Points v(24, 3), spring(24, 3), outside(24, 3), x1 = Points::Zero(24, 3), w, y = x1;
       for (int i = 0; i < v.size(); ++i) v(i) = std::sin(i), spring(i) = std::cos(3 * i), outside(i) = std::sin(5 * i);
       w = v;
-      settle_and_weigh(plane, v, spring, outside, octet);
-      go_on(plane.h, octet, x1);
-      settle_and_go_on(plane, w, spring, outside, other, y);
+      close_step(plane, v, spring, outside, octet);
+      open_step(plane.h, octet, x1);
+      close_and_open(plane, w, spring, outside, other, y);
       CHECK((v == w).all() && (x1 == y).all());
       for (int lane = 0; lane < Octet::lanes; ++lane) CHECK(same_lane(octet, lane, other, lane));
     }

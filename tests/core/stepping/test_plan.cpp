@@ -183,16 +183,16 @@ TEST(implicit_steps_are_tried_where_stable_steps_are_many) {
 
 TEST(races_are_won_by_an_implicit_candidate_that_did_it_by_leapfrog_at_its_limit_or_by_clearly_less_work) {
   const auto wins = [](const Candidates& candidates, Method method, Reason reason) {
-    return settle(candidates).method == method && settle(candidates).reason == reason;
+    return best_of(candidates).method == method && best_of(candidates).reason == reason;
   };
   Candidates candidates;
   candidates.least = candidates.leapfrog = 100;
   candidates.implicit = Method::ros34pw2;
-  CHECK(settle(candidates).method == Method::leapfrog);
+  CHECK(best_of(candidates).method == Method::leapfrog);
   candidates.implicit_work = 70;
   CHECK(wins(candidates, Method::ros34pw2, Reason::quiet_stiffness));
   candidates.implicit = Method::floating_frame;
-  CHECK(wins(candidates, Method::floating_frame, Reason::free_flight) && settle(candidates).work == 70);
+  CHECK(wins(candidates, Method::floating_frame, Reason::free_flight) && best_of(candidates).work == 70);
 
   Candidates limit;
   limit.least = 100;
@@ -208,9 +208,9 @@ TEST(races_are_won_by_an_implicit_candidate_that_did_it_by_leapfrog_at_its_limit
   other.bm4 = 450;
   CHECK(wins(other, Method::bm4, Reason::least_work));
   other.before = Method::rkn12;
-  CHECK(settle(other).method == Method::rkn12);
+  CHECK(best_of(other).method == Method::rkn12);
   other.bm4 = 400;
-  CHECK(settle(other).method == Method::bm4);
+  CHECK(best_of(other).method == Method::bm4);
   other.before = Method::leapfrog;
   other.leapfrog = 479;
   CHECK(wins(other, Method::leapfrog, Reason::least_work));
