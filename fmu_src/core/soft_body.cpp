@@ -312,6 +312,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
                         .step = settings.step,
                         .horizon = settings.horizon,
                         .jolt = jump > thresholds::jolt * drive_.force.abs().maxCoeff(),
+                        .stirs = changed || jump > 0 || drive_.ramped || std::ranges::any_of(drive_.pins, &Pin::moves),
                         .step_factor = step_factor * settings.step_factor};
   if (definition_.solids && stand_ins && drive_.free.empty()) let_half_spaces_stand(model_.body, drive_, motion, H);
   const StepStatus ran = propagator_.advance({model_, drive_, request, now_}, H);

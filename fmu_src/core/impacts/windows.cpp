@@ -108,9 +108,9 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
   control.method = Method::leapfrog;
   control.reason = Reason::impact;
   stiff.phase = after;
-  const bool lost = physical.total_error() > use::lost * tolerance,
+  const bool touches = !off_obstacles(context, touching), lost = physical.total_error() > use::lost * tolerance,
              flown = context.drive.pins.empty() && flights.has_modes(context.model.body);
-  if (lost || (!fresh && stiff.trust > 0 && !off_obstacles(context, touching))) {
+  if (lost || (!fresh && stiff.trust > 0 && touches)) {
     if (!lost) --stiff.trust;
     start_ = physical;
     stiff.flown = 0;
@@ -142,7 +142,7 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     const double known = fresh && stiff.unknown > use::hopeless * tolerance ? use::fraction_of_known * stiff.unknown : 0;
     const double allowed = std::max(physical.total_error() > exact ? use::window_fraction * tolerance : exact, known);
     if (error <= allowed || 0.5 * h <= least || tries == use::most_window_tries) {
-      const bool easy = !fresh && tries == 0 && 4 * error < use::easy * allowed;
+      const bool easy = touches && !fresh && tries == 0 && 4 * error < use::easy * allowed;
       if (easy) std::swap(physical, coarse_);  // the step size of the trusted windows: another one would disturb a body at rest
       stiff.trusted.learn(left.times(4));
       stiff.phase = next;

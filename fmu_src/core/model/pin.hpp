@@ -39,6 +39,9 @@ struct Pin : PinMotion {
   const FreeMotion* own = nullptr;  ///< motion of a free part, which replaces all of PinMotion
 
   Frame at(double time) const;
+  bool moves() const {
+    return !(velocity.isZero(0) && angular_velocity.isZero(0) && acceleration.isZero(0) && angular_acceleration.isZero(0));
+  }
   /// Returns the frame of the free part in this state.
   Frame frame_of(const FreeState& state) const;
 };

@@ -97,6 +97,7 @@ struct ContactSteps {
   Count free_next = 1;  ///< value of `free` after the next success
   Count impact = 0;     ///< the same for sub-intervals with an impact
   Count impact_next = 1;
+  bool touches = false;                  ///< in the last sub-interval something touched that had not come onto an obstacle in it
   Count seen = 0;                        ///< steps since a whole sub-interval was completed
   double largest = 0, largest_seen = 0;  ///< error / step^2 [m/s2]: since then, and in the whole sub-interval before
   FinalError final_error{};              ///< of one sub-interval with the step of the coarser run
@@ -105,7 +106,8 @@ struct ContactSteps {
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.free, s.free_next, s.impact, s.impact_next, s.seen, s.largest, s.largest_seen, s.final_error, s.tried, s.floor);
+    return fields(s.h, s.free, s.free_next, s.impact, s.impact_next, s.touches, s.seen, s.largest, s.largest_seen, s.final_error, s.tried,
+                  s.floor);
   }
 };
 static_assert(visits_every_field<ContactSteps>);
@@ -242,8 +244,9 @@ struct ControllerState {
   Method method = Method::automatic;  ///< method of the last communication step
   Reason reason = Reason::asked;
   TrialRecord trials{};
-  double work = 0;   ///< work since the start, in evaluations of the spring forces
-  double usual = 0;  ///< length of recent communication steps [s]
+  double work = 0;       ///< work since the start, in evaluations of the spring forces
+  double usual = 0;      ///< length of recent communication steps [s]
+  double vibration = 0;  ///< size of the vibrations that fixed steps and methods were last chosen for [m]
   Count rejected = 0;
   Count factors = 0;  ///< matrices factored
   Neighbour neighbour{};
@@ -259,11 +262,18 @@ struct ControllerState {
     factored.h = in_contact.h = 0;
     trials.winner = Method::automatic;
   }
+  /// Makes all trials due at once: vibrations have become larger than those that steps were chosen for.
+  void doubt_steps() {
+    for (Calibration& each : calibrations) each.due = each.soon = 0;
+    trials.due = trials.soon = 0;
+    contact.free = contact.impact = 0;
+    contact.free_next = contact.impact_next = 1;
+  }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.bound_x, s.bound, s.damping_bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.in_contact,
-                  s.method, s.reason, s.trials, s.work, s.usual, s.rejected, s.factors, s.neighbour);
+                  s.method, s.reason, s.trials, s.work, s.usual, s.vibration, s.rejected, s.factors, s.neighbour);
   }
 };
 static_assert(visits_every_field<ControllerState>);

@@ -55,7 +55,9 @@ double Calibrator::calibrate(Integrators& integrators, const StepContext& contex
   const double allowed = use::forecast_tolerance * context.request.tolerance;
   const double pairs = power(2, t.order), c = pairs / (pairs - 1);
   const Count most = method == Method::bm4 ? use::calibration_steps_bm4 : use::calibration_steps;
-  const bool harmless = vibration(context.equations(), context.run.physical.motion, context.model.time_scale) <= allowed;
+  const double vibration = coming_vibration(context.equations(), context.run.physical.motion, context.model.time_scale, H);
+  const bool harmless = vibration <= allowed;
+  context.run.control.vibration = vibration;
   double h = std::min({H, step_limit(context, method, false), calibration.h > 0 ? calibration.h : infinity}), work = 0;
   for (int round = 0; round < rounds && !harmless; ++round) {
     const Count steps = std::min(divisions(window, h), most);

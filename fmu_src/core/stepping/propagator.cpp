@@ -9,6 +9,7 @@
 #include "model/arithmetic.hpp"
 #include "stepping/controlled_steps.hpp"
 #include "stepping/fixed_steps.hpp"
+#include "watch/vibration.hpp"
 
 namespace softffd {
 
@@ -20,6 +21,8 @@ constexpr double too_long = 1.2;
 constexpr double usual_decay = 0.8;
 /// Trial runs are repeated if the winner needs this multiple of its forecast work [1].
 constexpr double overrun = 2.5;
+/// Trials are due at once if vibrations become larger by this factor than those that they were made for [1].
+constexpr double more_vibration = 2;
 
 }  // namespace thresholds
 
@@ -27,11 +30,21 @@ namespace {
 
 namespace use = thresholds;
 
+/// Vibrations that the outside sets off need other steps than those before them, also if the next trials are not due yet.
+void look_for_vibration(const StepContext& context, double H) {
+  ControllerState& control = context.run.control;
+  const double vibration = coming_vibration(context.equations(), context.run.physical.motion, context.model.time_scale, H);
+  if (!(vibration > use::more_vibration * control.vibration && vibration > use::forecast_tolerance * context.request.tolerance)) return;
+  control.vibration = vibration;
+  control.doubt_steps();
+}
+
 }  // namespace
 
 StepStatus Propagator::advance(const StepContext& context, double H) {
   ControllerState& control = context.run.control;
   control.usual = std::max(H, use::usual_decay * control.usual);
+  if (context.request.stirs && !(context.request.step > 0)) look_for_vibration(context, H);
   if (!plans_every_given_step(facts(context, H))) return advance_planned(context, H);
   const Clock& clock = context.run.physical.clock;
   for (Count left = counted_units(context.request, H); left > 0; --left) {

@@ -145,6 +145,8 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
   const double least = shortest_in_contact(context, stretch.limit);
   const bool at_limit = stretch.at_limit();
   Snapshot snapshot(physical, start_);
+  const Count& contacts = physical.exchange.contacts_resolved;
+  const Count contacts_before = contacts;
   const double begin = physical.motion.time, left = stretch.end - begin;
   const auto run = [&](double h, Count steps) {
     const Outcome outcome = integrators.take(context, Method::leapfrog, {begin, 0, h, steps});
@@ -164,8 +166,9 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     if (at_limit && tries == 0 && contact.free > 0) {
       const Outcome once = run(part, steps);
       if (once.status != StepStatus::ok) return once.status;
-      const bool impact = once.impacts > 0;
-      if (!impact || contact.impact > 0) {
+      const bool impact = once.impacts > 0, touches = contacts > contacts_before;
+      if (impact ? contact.impact > 0 : touches <= contact.touches) {
+        contact.touches = touches && (contact.touches || !impact);
         --(impact ? contact.impact : contact.free);
         taken += steps;
         physical.motion.time = next;
@@ -202,6 +205,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     if (last && !std::isfinite(error)) return StepStatus::not_finite;
     if (error <= use::too_much * wanted || last) {
       contact.final_error.learn(leaves.times(4));
+      contact.touches = contacts > contacts_before && (contact.touches || !impact);
       const bool cut = stretch.first && steps == total;
       const double worst = cut ? of_late(contact, error, part, steps) : error;
       const double trusted = contact.free_next > 1 ? use::trusted : use::trusted_at_first;

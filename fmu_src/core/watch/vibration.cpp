@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "body/rigid_motion.hpp"
 #include "model/arithmetic.hpp"
@@ -71,6 +72,15 @@ double frequency(const Body& body, const Points& x, const Points& u, Points& f) 
 
 double vibration(const Equations& equations, const State& state, const Scalars& time_scale) {
   return size(equations, state, time_scale, true, std::numeric_limits<double>::infinity(), Vec3::Zero());
+}
+
+double coming_vibration(const Equations& equations, State& state, const Scalars& time_scale, double left) {
+  const double now = vibration(equations, state, time_scale);
+  if (!equations.around.ramped) return now;
+  const double begin = std::exchange(state.time, state.time + left);
+  const double then = vibration(equations, state, time_scale);
+  state.time = begin;
+  return std::max(now, then);
 }
 
 double present_vibration(const Equations& equations, const State& state, const Scalars& time_scale, double slowest) {

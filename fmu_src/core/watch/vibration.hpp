@@ -11,6 +11,8 @@ namespace softffd {
 /// displacements by the present accelerations, including those from which a turning body is held back only by its springs [m]; infinite
 /// unless all is finite. time_scale: (3 * points) [s].
 double vibration(const Equations& equations, const State& state, const Scalars& time_scale);
+/// Returns the same for the forces at both ends of what is left [s] of a communication step, whichever is larger. state.time is restored.
+double coming_vibration(const Equations& equations, State& state, const Scalars& time_scale, double left);
 /// Returns the same for the present motion of control points whose time scale is below `slowest` [s]: without the extensions, which may be
 /// at rest, and without the acceleration that a free body has as a whole [m].
 double present_vibration(const Equations& equations, const State& state, const Scalars& time_scale, double slowest);

@@ -1,0 +1,59 @@
+"""What begins at a communication point, after a time in which any step was accurate: loads on a body at rest, and an impact. Two masses in
+a row on springs along z have closed forms."""
+
+import numpy as np
+import pytest
+
+from scenes import box
+from softffd import simulate
+
+STIFFNESS, HELD, TOLERANCE = 1e3, 4e3, 1e-6
+OMEGA, STEP = np.sqrt(8e3), 0.01
+IN_A_ROW = {"points": [2, 2, 2], "damping": 0.0, "tolerance": TOLERANCE}
+
+
+def ramp(time, begin, end, force):
+    """The motion that a force sets off which grows from 0 in this time [m]."""
+    since = np.maximum(time[:, None] - [begin, end], 0.0)
+    return force / HELD / (end - begin) * (since - np.sin(OMEGA * since) / OMEGA) @ [1, -1]
+
+
+def step(time, begin, force):
+    return force / HELD * (1 - np.cos(OMEGA * np.maximum(time - begin, 0.0)))
+
+
+def sine(time):
+    """The motion under 40 N sin(omega t), which is linear between communication points."""
+    force = 40 * np.sin(OMEGA * time)
+    return sum(ramp(time, begin, begin + STEP, more) for begin, more in zip(time[:-1], np.diff(force), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("force", "exact", "interpolation"),
+    [
+        (lambda t: 100.0 * (t > 0.295), lambda time: step(time, 0.3, 100.0), "held"),
+        (lambda t: 0.01 + 99.99 * (t > 0.295), lambda time: step(time, 0.0, 0.01) + step(time, 0.3, 99.99), "held"),
+        (lambda t: 100 * np.clip(100 * (t - 0.3), 0, 1), lambda time: ramp(time, 0.3, 0.31, 100.0), "linear"),
+        (lambda t: 100 * np.clip((t - 0.3) / 0.3, 0, 1), lambda time: ramp(time, 0.3, 0.6, 100.0), "linear"),
+        (lambda t: 40 * np.sin(OMEGA * t), sine, "linear"),
+    ],
+    ids=["step", "larger step", "steep ramp", "ramp", "resonance"],
+)
+@pytest.mark.parametrize("factor", [1, 1000])
+def test_a_load_that_comes_later(force, exact, interpolation, factor):
+    stiffness = {"edge": STIFFNESS, "face": 0.0, "body": 0.0}
+    held = {"pin": [{"name": "wall", "points": "z-"}], "load": [{"name": "pull", "points": "z+"}]}
+    scene = box(**IN_A_ROW | {"tolerance": factor * TOLERANCE}, stiffness=stiffness, **held)
+    result = simulate(scene, stop_time=1.0, step=STEP, inputs=lambda t: {"load.pull.z": float(force(t))}, interpolation=interpolation)
+    assert np.abs(result.positions[:, 0, 0, 1, 2] - 1 - exact(result.time)).max() < 3 * factor * TOLERANCE
+
+
+@pytest.mark.parametrize(("stiffness", "length"), [(1e4, 0.01), (1e5, 0.05), (1e6, 0.1), (1e8, 0.1)])
+def test_an_impact_at_a_communication_point(stiffness, length):
+    """The two masses come at 1 m/s and leave the plane after half a period: with half a metre per second and half the energy."""
+    stiff = {"edge": stiffness, "face": 0.0, "body": 0.0}
+    scene = box(**IN_A_ROW, stiffness=stiff, plane=[{"name": "ground", "point": [0.0, 0.0, -0.1]}], velocity=[0.0, 0.0, -1.0])
+    result = simulate(scene, stop_time=1.0, step=length)
+    height = 0.4 + 0.5 * (0.9 - np.pi / np.sqrt(8 * stiffness))
+    assert abs(result.positions[-1, 0, 0, :, 2].mean() - height) < 10 * TOLERANCE
+    assert -length * result.outputs["plane.ground.reaction.z"].sum() == pytest.approx(1.5, abs=1e-5)
