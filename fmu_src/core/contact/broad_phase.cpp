@@ -76,14 +76,23 @@ double forecast_way(const Equations& equations, const State& state, double H) {
   return H * (largest_speed(state.v) + 0.5 * H * std::sqrt(3.0) * acceleration);
 }
 
+double stiff_way(const Equations& equations, const State& state, double H, double vibration) {
+  const auto& [body, around] = equations;
+  if (!around.pins.empty()) return std::numeric_limits<double>::infinity();
+  const RigidMotion now = rigid_motion(body.mass, state.x, state.v);
+  const RigidMotion change = rigid_motion(body.mass, state.x, around.force.colwise() / body.mass);
+  const double radius = radius_about(now.centre, state.x);
+  const double speed = now.velocity.norm() + radius * now.spin.norm(), acceleration = change.velocity.norm() + radius * change.spin.norm();
+  return H * (speed + 0.5 * H * acceleration) + vibration;
+}
+
 double BroadPhase::least_gap(const HalfSpace& obstacle, const Points& x) {
   kernels::gaps(int(x.rows()), x.data(), obstacle.normal.data(), obstacle.offset, gap_.data());
   return (samples_ ? samples_->hull(gap_, room_) : gap_).minCoeff<Eigen::PropagateNaN>();
 }
 
-bool BroadPhase::may_touch(const Equations& equations, const State& state, double H) {
+bool BroadPhase::may_touch(const Equations& equations, const State& state, double H, double way) {
   const Drive& around = equations.around;
-  const double way = forecast_way(equations, state, H);
   return std::any_of(around.planes.begin(), around.planes.end(), [&](const Plane& plane) {
     const HalfSpace start = plane.at(state.time);
     const double first = least_gap(start, state.x), last = least_gap(plane.at(state.time + H), state.x);

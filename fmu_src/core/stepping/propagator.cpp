@@ -77,10 +77,19 @@ Facts Propagator::facts(const StepContext& context, double H) const {
   return facts;
 }
 
+bool Propagator::may_touch(const StepContext& context, double H) {
+  State& motion = context.run.physical.motion;
+  const Equations equations = context.equations();
+  BroadPhase& broad_phase = integrators_.broad_phase();
+  if (!broad_phase.may_touch(equations, motion, H, forecast_way(equations, motion, H))) return false;
+  const double vibration = coming_vibration(equations, motion, context.model.time_scale, H);
+  return broad_phase.may_touch(equations, motion, H, stiff_way(equations, motion, H, vibration));
+}
+
 void Propagator::find(Want want, const StepContext& context, double H, Facts& facts) {
   const State& motion = context.run.physical.motion;
   if (want == Want::clear) facts.clear = off_obstacles(context.drive, motion.time, motion.x, touching * context.model.body.length);
-  if (want == Want::within_reach) facts.within_reach = integrators_.broad_phase().may_touch(context.equations(), motion, H);
+  if (want == Want::within_reach) facts.within_reach = may_touch(context, H);
   if (want == Want::rings) facts.rings = impacts_.of(lattice_, context.run).rings_about_rest(context);
   if (want == Want::stiffness) facts.stiffness = H / step_limit(context, Method::leapfrog, false);
 }

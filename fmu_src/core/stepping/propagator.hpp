@@ -27,6 +27,7 @@ class Propagator {
 
  private:
   Facts facts(const StepContext& context, double H) const;
+  bool may_touch(const StepContext& context, double H);
   void find(Want want, const StepContext& context, double H, Facts& facts);
   StepStatus advance_planned(const StepContext& context, double H);
   bool rolls_back(const StepContext& context, const Plan& plan, StepStatus status, Facts& facts);

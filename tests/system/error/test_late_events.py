@@ -57,3 +57,15 @@ def test_an_impact_at_a_communication_point(stiffness, length):
     height = 0.4 + 0.5 * (0.9 - np.pi / np.sqrt(8 * stiffness))
     assert abs(result.positions[-1, 0, 0, :, 2].mean() - height) < 10 * TOLERANCE
     assert -length * result.outputs["plane.ground.reaction.z"].sum() == pytest.approx(1.5, abs=1e-5)
+
+
+@pytest.mark.parametrize("height", [-0.2, -5.0])
+def test_a_stiff_body_that_never_comes_to_its_plane_is_integrated_as_without(height):
+    """It is pulled at both ends; half a force per mass and communication step squared is farther than any plane."""
+    stiff, loads = {"edge": 1e8, "face": 0.0, "body": 0.0}, [{"name": "up", "points": "z+"}, {"name": "down", "points": "z-"}]
+    ends = []
+    for plane in ([], [{"name": "far", "point": [0.0, 0.0, height]}]):
+        scene = box(**IN_A_ROW, stiffness=stiff, load=loads, plane=plane)
+        ends.append(simulate(scene, stop_time=1.0, step=STEP, inputs={"load.up.z": 2e6, "load.down.z": -2e6}).positions[-1])
+    assert np.abs(ends[0] - ends[1]).max() < TOLERANCE
+    assert ends[1][0, 0, 1, 2] - 1 == pytest.approx(2e6 / 8e8 * (1 - np.cos(4e4)), abs=TOLERANCE)
