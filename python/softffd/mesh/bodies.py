@@ -3,7 +3,7 @@
 import logging
 import struct
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from io import BytesIO
@@ -43,13 +43,14 @@ class Surface(NamedTuple):
         return np.column_stack([down[:, 0], 1.0 - down[:, 1]])
 
 
-def read_bodies(path: Path, data: bytes, surfaces: list[Surface] | None = None) -> Triangles:
+def read_bodies(path: Path, data: bytes, surfaces: list[Surface] | None = None, names: Sequence[str] = ()) -> Triangles:
     """Returns the triangles of all bodies of the scene of the file, each in its place, in the order of the file.
 
-    surfaces: those of a glTF file, in which the material names are numbers into `surfaces` and colours are linear; None for other kinds.
+    surfaces, names: of the materials and nodes of a glTF file, in which the names of both are numbers into these and colours are linear;
+        None for other kinds.
     Raises MeshError for damaged files, and if trimesh fails for another reason, such as a missing package.
     """
-    bodies = _read(path, data, surfaces)
+    bodies = _read(path, data, surfaces, names)
     for body in bodies:
         if body.faces.min() < 0 or body.faces.max() >= len(body.vertices):
             fault = f"a face refers to vertex {body.faces.max()} (from 0) of a body that has {len(body.vertices)}"
@@ -82,7 +83,7 @@ def require_package(path: Path) -> None:
         raise MeshError(f"{path}: {kind} files are read with the help of packages that are not installed; wanted {wanted}")
 
 
-def _read(path: Path, data: bytes, surfaces: list[Surface] | None) -> list[Triangles]:
+def _read(path: Path, data: bytes, surfaces: list[Surface] | None, names: Sequence[str]) -> list[Triangles]:
     import trimesh  # imported here, since the import takes longer than reading most files
 
     with quiet_trimesh():
@@ -90,7 +91,7 @@ def _read(path: Path, data: bytes, surfaces: list[Surface] | None) -> list[Trian
             scene = trimesh.load_scene(BytesIO(data), file_type=path.suffix[1:].lower(), resolver=cast(Any, _Beside(path)), process=False)
             order = {name: number for number, name in enumerate(scene.geometry)}
             nodes = sorted(scene.graph.nodes_geometry, key=lambda node: order[scene.graph[node][1]])
-            bodies = [_body(scene, node, surfaces) for node in nodes]
+            bodies = [_body(scene, node, surfaces, names) for node in nodes]
             return [body for body in bodies if body is not None and len(body.faces)]
         except MeshError:
             raise
@@ -119,7 +120,7 @@ class _Beside:
     __getitem__ = get
 
 
-def _body(scene: Any, node: str, surfaces: list[Surface] | None) -> Triangles | None:
+def _body(scene: Any, node: str, surfaces: list[Surface] | None, names: Sequence[str]) -> Triangles | None:
     """Returns the triangles of the node in the frame of the scene, with the outside kept if mirrored; None for points and lines."""
     matrix, name = scene.graph[node]
     geometry = scene.geometry[name]
@@ -136,7 +137,8 @@ def _body(scene: Any, node: str, surfaces: list[Surface] | None) -> Triangles | 
         surface = surfaces[int(looks.materials[0].name)]
         uv = None if uv is None else surface.placed(uv)
         looks = replace(looks, materials=(looks.materials[0]._replace(name=surface.name),))
-    looks = replace(looks, groups=(Group(str(node)),), group_of=np.zeros(len(faces), dtype=np.int64))
+    name = names[int(node.partition("_")[0])] if names else str(node)  # of a primitive of several, trimesh calls the node NUMBER_SUFFIX
+    looks = replace(looks, groups=(Group(name),), group_of=np.zeros(len(faces), dtype=np.int64))
     return Triangles(vertices, faces[:, ::-1] if mirrored else faces, uv, looks)
 
 
@@ -185,7 +187,7 @@ def _joined(bodies: list[Triangles]) -> Triangles:
 
 
 def _joined_looks(bodies: list[Triangles]) -> Looks:
-    """Returns the looks of all bodies; bodies with equal materials share one material."""
+    """Returns the looks of all bodies; equal materials and groups of equal names are one."""
     materials: dict[tuple[object, ...], Material] = {}
     material_of, colours = [], None
     for body in bodies:
@@ -199,8 +201,8 @@ def _joined_looks(bodies: list[Triangles]) -> Looks:
     named = tuple(materials.values())
     if named == (Material(),):
         named = ()
-    group_of = np.repeat(np.arange(len(bodies)), [len(body.faces) for body in bodies])
+    groups = {group: number for number, group in enumerate(dict.fromkeys(body.looks.groups[0] for body in bodies))}
+    group_of = np.repeat([groups[body.looks.groups[0]] for body in bodies], [len(body.faces) for body in bodies])
     clear = [material.name or "without a name" for material in named if material.opacity < 1]
     notes = (f"transparent materials are shown opaque: {few(clear)}",) if clear else ()
-    groups = tuple(body.looks.groups[0] for body in bodies)
-    return Looks(named, np.concatenate(material_of) if named else None, colours, groups, group_of, notes)
+    return Looks(named, np.concatenate(material_of) if named else None, colours, tuple(groups), group_of, notes)

@@ -48,8 +48,8 @@ def read_gltf(path: Path, data: bytes) -> Triangles:
 
 
 def _read(path: Path, header: dict[str, Any], packed: Callable[[], bytes]) -> Triangles:
-    surfaces, notes = _made_plain(path, header)
-    return read_bodies(path, packed(), surfaces).and_notes(*notes)
+    surfaces, names, notes = _made_plain(path, header)
+    return read_bodies(path, packed(), surfaces, names).and_notes(*notes)
 
 
 def glb_file(header: dict[str, Any], rest: bytes) -> bytes:
@@ -84,20 +84,23 @@ def _parsed(path: Path, text: bytes) -> dict[str, Any]:
     return header
 
 
-def _made_plain(path: Path, header: dict[str, Any]) -> tuple[list[Surface], list[str]]:
-    """Changes the header into one that trimesh reads correctly; returns the surfaces of its materials, and notes on what is left out.
+def _made_plain(path: Path, header: dict[str, Any]) -> tuple[list[Surface], list[str], list[str]]:
+    """Changes the header into one that trimesh reads correctly; returns surfaces of materials, names of nodes, notes on what is left out.
 
-    Each material is renamed to its number in the list. Raises MeshError for content that is not read, or if this is no glTF scene.
+    Each material and node is renamed to its number in the list. Raises MeshError for content that is not read, or if this is no glTF scene.
     """
     try:
         _require_readable(path, header)
         _give_scene(header)
+        names = [str(node.get("name", number)) for number, node in enumerate(header.get("nodes", []))]
+        for number, node in enumerate(header.get("nodes", [])):
+            node["name"] = str(number)  # trimesh adds a random end to the name of a node with several primitives
         surfaces = [_plain_material(number, material) for number, material in enumerate(header.get("materials", []))]
         primitives = [p for mesh in header.get("meshes", []) for p in mesh["primitives"]]
         for primitive in primitives:
             _use_coordinates(primitive, surfaces)
         _require_plain_numbers(path, header, primitives)
-        return surfaces, _left_out(path, header, primitives)
+        return surfaces, names, _left_out(path, header, primitives)
     except (AttributeError, KeyError, IndexError, TypeError, ValueError, OverflowError) as fault:
         raise damaged(path, f"its JSON is not that of a glTF scene ({type(fault).__name__}: {fault})") from None
 

@@ -10,6 +10,7 @@ from PIL import Image
 
 from mesh_files import CORNERS, glb_with, loaded
 from softffd.errors import MeshError
+from softffd.mesh.looks import Group
 
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], dtype="<u2")
 FIRST, SECOND = (np.array([[a, b], [0, b], [a, 0], [0, 0]], dtype="<f4") for a, b in ((1, 0.5), (0.25, 0.75)))
@@ -102,6 +103,17 @@ PLACED = {
 def test_bodies_stand_where_the_file_puts_them(case, tmp_path):
     change, along = PLACED[case]
     np.testing.assert_allclose(loaded(tmp_path, "a.gltf", tetrahedron(change)).vertices, CORNERS + np.array([along, 0, 0]))
+
+
+def test_all_primitives_of_a_node_are_the_group_of_its_name(tmp_path):
+    def change(header):
+        header["meshes"][0]["primitives"] *= 2
+        header["nodes"] = [{"name": "body_1", "mesh": 0}, {"name": "body_1", "mesh": 0}, {"mesh": 0}]
+        header["scenes"] = [{"nodes": [0, 1, 2]}]
+
+    looks = loaded(tmp_path, "a.gltf", tetrahedron(change)).looks
+    counts = np.bincount(looks.group_of).tolist()
+    assert dict(zip(looks.groups, counts, strict=True)) == {Group("body_1"): 16, Group("2"): 8}
 
 
 def _texture(**keys):
