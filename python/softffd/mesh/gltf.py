@@ -92,6 +92,7 @@ def _made_plain(path: Path, header: dict[str, Any]) -> tuple[list[Surface], list
     try:
         _require_readable(path, header)
         _give_scene(header)
+        _require_tree(path, header)
         names = [str(node.get("name", number)) for number, node in enumerate(header.get("nodes", []))]
         for number, node in enumerate(header.get("nodes", [])):
             node["name"] = str(number)  # trimesh adds a random end to the name of a node with several primitives
@@ -157,6 +158,23 @@ def _give_scene(header: dict[str, Any]) -> None:
     if not header.get("scenes"):
         inner = {child for node in nodes for child in node.get("children", [])}
         header["scenes"], header["scene"] = [{"nodes": [number for number in range(len(nodes)) if number not in inner]}], 0
+
+
+def _require_tree(path: Path, header: dict[str, Any]) -> None:
+    """Refuses a scene or a node that is not there, and a node that the scene reaches twice, as in a cycle."""
+    scene, scenes, nodes = header.get("scene", 0), header["scenes"], header.get("nodes", [])
+    if not 0 <= scene < len(scenes):
+        raise damaged(path, f"scene: wanted the number of one of its {len(scenes)} scenes, from 0, got {scene}")
+    reached: set[int] = set()
+    ahead = list(scenes[scene].get("nodes", []))
+    while ahead:
+        number = ahead.pop()
+        if not 0 <= number < len(nodes):
+            raise damaged(path, f"nodes: wanted the number of one of its {len(nodes)} nodes, from 0, got {number}")
+        if number in reached:
+            raise damaged(path, f"nodes[{number}]: wanted one parent for each node at most, got a node that its scene reaches twice")
+        reached.add(number)
+        ahead += nodes[number].get("children", [])
 
 
 def _plain_material(number: int, material: dict[str, Any]) -> Surface:

@@ -70,6 +70,9 @@ REFUSED = {
     "no positions": (_bare(0), "uses numbers without a bufferView"),
     "no corners": (_bare(1), "uses numbers without a bufferView"),
     "no POSITION": (lambda header: header["meshes"][0]["primitives"][0]["attributes"].pop("POSITION"), "uses primitives without POSITION"),
+    "no such scene": (lambda header: header.update(scene=5), "scene: wanted the number of one of its 1 scenes, from 0, got 5"),
+    "no such node": (_node(children=[7]), "wanted the number of one of its 1 nodes, from 0, got 7"),
+    "a cycle": (_node(children=[0]), r"nodes\[0\]: wanted one parent .* that its scene reaches twice"),
     "no list": (lambda header: header.update(nodes=5), "not that of a glTF scene"),
     "no number": (
         lambda header: header["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"].update(texCoord=np.inf),
