@@ -7,7 +7,6 @@ softffd         turns +z, which is up, into glTF's +y
   NAME          of an obstacle, translation and rotation where it moves
 """
 
-import json
 import struct
 from dataclasses import replace
 from pathlib import Path
@@ -23,7 +22,7 @@ from softffd.mesh.bodies import quiet_trimesh
 from softffd.mesh.gltf import glb_file
 from softffd.mesh.looks import Looks, Material, to_light
 from softffd.mesh.mesh import Mesh
-from softffd.mesh.written import glb_bodies, glb_of
+from softffd.mesh.written import glb_bodies, glb_tree
 from softffd.rotation import quaternions
 from softffd.show.skin import PAINT
 
@@ -102,10 +101,8 @@ class _File:
         with quiet_trimesh():
             windows = [list(glb_bodies(mesh, each[0].astype(float))) for each in shapes]
         bodies = [*map(_body, take.obstacles), *(body for window in windows for _, _, body in window)]
-        written = glb_of((None, body) for body in bodies)
-        end = 20 + int.from_bytes(written[12:16], "little")
-        self.tree: dict[str, Any] = json.loads(written[20:end])
-        self._data, self._length = [written[end + 8 :]], len(written) - end - 8
+        self.tree, data = glb_tree(bodies)
+        self._data, self._length = [data[8:]], len(data) - 8
         meshes = iter(self.tree["meshes"][len(take.obstacles) :])
         self._own = [[(next(meshes)["primitives"][0], used) for _, used, _ in window] for window in windows]
         self.tree["meshes"] = self.tree["meshes"][: len(take.obstacles)]

@@ -1,5 +1,6 @@
 """Writes meshes as files; each kind of file keeps the looks that it can hold."""
 
+import json
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, cast
@@ -8,6 +9,7 @@ import numpy as np
 
 from softffd.files import replacing, write_bytes, write_text
 from softffd.mesh.bodies import quiet_trimesh
+from softffd.mesh.gltf import glb_file
 from softffd.mesh.looks import Group, Looks, Material, to_light
 from softffd.mesh.mesh import Mesh
 from softffd.mesh.mtl import mtl_text
@@ -68,31 +70,38 @@ def write_stl(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
 
 
 def write_glb(mesh: Mesh, path: Path, vertices: np.ndarray) -> None:
-    """Writes a GLB file: one body for each part of one group and one material, with its picture inside."""
-    write_bytes(path, glb_of((name or None, body) for name, _, body in glb_bodies(mesh, vertices)))
+    """Writes a GLB file: a node for each group, with a primitive for each of the group's materials; pictures lie inside."""
+    groups, _, bodies = zip(*glb_bodies(mesh, vertices), strict=True)
+    tree, data = glb_tree(bodies)
+    numbers = list(dict.fromkeys(groups))
+    names = [" ".join(filter(None, mesh.looks.groups[group])) if mesh.looks.groups else "" for group in numbers]
+    primitives = [[own["primitives"][0] for own, of in zip(tree["meshes"], groups, strict=True) if of == group] for group in numbers]
+    tree["meshes"] = [{"primitives": each} for each in primitives]
+    tree["nodes"] = [{"mesh": n} | ({"name": name} if name else {}) for n, name in enumerate(names)]
+    tree["scenes"], tree["scene"] = [{"nodes": list(range(len(names)))}], 0
+    write_bytes(path, glb_file(tree, data))
 
 
-def glb_of(bodies: Iterable[tuple[str | None, Any]]) -> bytes:
-    """Returns the bytes of a GLB file of named trimesh bodies."""
+def glb_tree(bodies: Iterable[Any]) -> tuple[dict[str, Any], bytes]:
+    """Returns the JSON of a GLB file of trimesh bodies, a mesh for each in their order, and the blocks that follow the JSON."""
     import trimesh
 
     with quiet_trimesh():
-        scene = trimesh.Scene()
-        for name, body in bodies:
-            scene.add_geometry(body, geom_name=name, node_name=name)
-        return cast(bytes, scene.export(file_type="glb", include_normals=True))
+        written = cast(bytes, trimesh.Scene(list(bodies)).export(file_type="glb", include_normals=True))
+    end = 20 + int.from_bytes(written[12:16], "little")
+    return json.loads(written[20:end]), written[end:]
 
 
-def glb_bodies(mesh: Mesh, vertices: np.ndarray) -> Iterator[tuple[str, np.ndarray, Any]]:
-    """Yields for each part of one group and one material: name, original vertex of each of its vertices (W,), and trimesh body."""
+def glb_bodies(mesh: Mesh, vertices: np.ndarray) -> Iterator[tuple[int, np.ndarray, Any]]:
+    """Yields for each part of one group and one material: group, original vertex of each of its vertices (W,), and trimesh body."""
     import trimesh
 
     normals = _normals(mesh, vertices)
-    for name, faces in _parts(mesh.looks, len(mesh.faces)):
+    for group, faces in _parts(mesh.looks, len(mesh.faces)):
         used, shades, corners = split_at_creases(vertices, mesh.faces[faces], normals[faces])
         part = mesh.looks.with_faces(faces[:1]).with_vertices(used)
         visual = _visual(part, None if mesh.uv is None else mesh.uv[used])
-        yield name, used, trimesh.Trimesh(vertices[used], corners, vertex_normals=shades, visual=visual, process=False)
+        yield group, used, trimesh.Trimesh(vertices[used], corners, vertex_normals=shades, visual=visual, process=False)
 
 
 def _normals(mesh: Mesh, vertices: np.ndarray) -> np.ndarray:
@@ -100,13 +109,12 @@ def _normals(mesh: Mesh, vertices: np.ndarray) -> np.ndarray:
     return ShadingNormals(mesh.vertices, mesh.faces).corners(vertices)
 
 
-def _parts(looks: Looks, faces: int) -> list[tuple[str, np.ndarray]]:
-    """Returns the names and faces of the parts, in the order of their first faces."""
+def _parts(looks: Looks, faces: int) -> list[tuple[int, np.ndarray]]:
+    """Returns the groups and faces of the parts, in the order of their first faces."""
     group_of, material_of = (np.zeros(faces, dtype=np.int64) if i is None else i for i in (looks.group_of, looks.material_of))
     keys, first, part_of = np.unique(group_of * max(1, len(looks.materials)) + material_of, return_index=True, return_inverse=True)
-    groups = looks.groups or (Group(),)
-    names = [" ".join(filter(None, groups[key // max(1, len(looks.materials))])) for key in keys.tolist()]
-    return [(names[n], np.flatnonzero(part_of.reshape(-1) == n)) for n in np.argsort(first)]
+    groups = (keys // max(1, len(looks.materials))).tolist()
+    return [(groups[n], np.flatnonzero(part_of.reshape(-1) == n)) for n in np.argsort(first)]
 
 
 def _visual(looks: Looks, uv: np.ndarray | None) -> Any:

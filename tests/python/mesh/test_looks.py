@@ -94,6 +94,14 @@ def test_names_of_materials_and_groups_are_written(kind, tmp_path):
     np.testing.assert_allclose(again.vertices, mesh.vertices, atol=1e-6)
 
 
+def test_a_glb_keeps_all_faces_of_groups_with_several_materials_and_of_groups_whose_names_read_alike(tmp_path):
+    box, groups = unit_box(0.0), (Group("a", "b c"), Group("a b", "c"))
+    looks = Looks((Material("red", RED), Material("green", GREEN)), np.arange(12) % 2, None, groups, np.arange(12) // 6)
+    again = loaded(tmp_path, "again.glb", saved(tmp_path, "glb", Mesh(box.vertices, box.faces, looks=looks)))
+    assert len(again.faces) == 12 and again.closed and again.looks.groups == (Group("a b c"),)
+    assert np.bincount(again.looks.material_of).tolist() == [6, 6]
+
+
 def test_materials_do_not_change_vertices_or_their_order(tmp_path):
     two_colours(tmp_path, "kd.obj")
     text = (tmp_path / "kd.obj").read_text()
