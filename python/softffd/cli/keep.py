@@ -14,6 +14,7 @@ from softffd.fmu.component import Component
 from softffd.fmu.package import package_fmu
 from softffd.installed import has_wasm_library
 from softffd.mesh.files import READ, WRITTEN, save_mesh
+from softffd.mesh.habits import usual_up
 from softffd.run.findings import ESTIMATE, findings
 from softffd.run.inputs import Source
 from softffd.run.progress import Note, ProgressLine, silent
@@ -115,7 +116,7 @@ def keep_run(
         kind = result.scene.mesh.file.suffix.lower()
         path = folder / f"deformed{kind if kind in WRITTEN else '.glb'}"
         stage(f"deforming the mesh for {path.name}")
-        save_mesh(mesh, path, vertices=result.deformed())
+        save_mesh(mesh, path, vertices=result.deformed(), up=usual_up(path))
         files.append(path)
     return files
 

@@ -53,6 +53,11 @@ def doubt(habit: Habit, longest: float) -> str:
     return f"{'the file is' if habit.metres else 'likely'} in {words_of(metres)}: load_mesh(..., scale={metres:g})"
 
 
+def usual_up(path: Path) -> str:
+    """Returns the usual up axis of this kind of file."""
+    return _UP.get(path.suffix.lower(), "z")
+
+
 def habit_of(path: Path) -> Habit:
     """Returns the habit of a mesh file that load_mesh has read."""
     kind = path.suffix.lower()
@@ -62,7 +67,7 @@ def habit_of(path: Path) -> Habit:
     if kind == ".dae":
         return _collada(path.read_bytes())
     gltf = kind in (".glb", ".gltf")
-    return Habit(1.0 if gltf else None, _UP.get(kind, "z"), gltf)
+    return Habit(1.0 if gltf else None, usual_up(path), gltf)
 
 
 def _collada(data: bytes) -> Habit:

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+import tomllib
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -21,11 +22,14 @@ from softffd.embedding import mass
 from softffd.errors import FmuError
 from softffd.fmu.package import package_fmu, scene_masses
 from softffd.fmu.variables import method_value
+from softffd.lattice import bounding_box
 from softffd.run import progress
 from softffd.run.drive import Drive
 from softffd.run.findings import findings
 from softffd.run.progress import ProgressLine
 from softffd.run.simulate import shares
+from softffd.scene.new import scene_of_mesh
+from softffd.scene.scene import scene_from
 
 PUSHED = """
 title = "A box and a plate"
@@ -157,6 +161,16 @@ def test_the_mesh_of_the_run_stays_where_it_is_called_as_its_result_would_be():
     for _ in range(2):
         assert main(["run", "meshed.toml", "-o", ".", "--overwrite"]) == 0
     assert Path("deformed.obj").is_file()
+
+
+@pytest.mark.parametrize("kind", ["obj", "ply", "glb", "stl"])
+def test_the_mesh_that_a_run_writes_stands_upright_in_the_next(kind):
+    ball = trimesh_ball()
+    save_mesh(replace(ball, vertices=ball.vertices * [1.0, 2.0, 3.0]), f"ball.{kind}")
+    assert main(["run", f"ball.{kind}", "--up", "z", "--stop-time", "0.1", "-o", "kept", "--no-pictures"]) == 0
+    deformed = Result.load("kept").deformed()
+    again = scene_from(tomllib.loads(scene_of_mesh(f"kept/deformed.{kind}", folder="kept").text), path="kept/again.toml")
+    np.testing.assert_allclose(again.loaded_mesh.bounds, bounding_box(deformed), atol=1e-5)
 
 
 def test_an_interrupted_run_keeps_what_was_simulated(monkeypatch, capsys):
