@@ -1,6 +1,7 @@
 """New scene files: a commented template with every key, and the scene of a mesh that falls on the ground."""
 
 import json
+import math
 import os
 import re
 from dataclasses import dataclass
@@ -81,7 +82,7 @@ def scene_of_mesh(
         said += f"; {filled}"
     keys = {
         "TITLE": toml_string(f"{file.stem} dropped on the ground"), "FILE": toml_string(seen_from(folder, file)),
-        "MEASURED": size, "SCALE": f"{metres:g}", "METRES": named, "UP": axis,
+        "MEASURED": size, "SCALE": repr(metres), "METRES": named, "UP": axis,
     }  # fmt: skip
     keys |= _physics(placed(mesh, scale=metres, up=axis), DENSITY if density is None else density)
     return MeshScene(re.sub("[A-Z]{2,}", lambda word: keys.get(word[0], word[0]), MESH_TEMPLATE.read_text(encoding="utf-8")), said)
@@ -90,12 +91,13 @@ def scene_of_mesh(
 def _physics(mesh: Mesh, density: float) -> dict[str, str]:
     """Returns values for a fall from at most the height of the mesh that bends the mesh visibly and is over at the stop time."""
     height, longest = np.ptp(mesh.bounds, axis=0)[2], np.ptp(mesh.bounds, axis=0).max()
+    ground = mesh.bounds[0, 2] - min(FALL * longest, height)
     spread, mass, why = _mass(mesh, density)
     pace = np.sqrt(longest / GRAVITY)
     return {
-        "TOTAL": _short(mass), "SPREAD": spread, "WHY": why,
+        "TOTAL": _precise(mass, mass), "SPREAD": spread, "WHY": why,
         "STIFFNESS": _short(STIFFNESS * mass * GRAVITY / height), "DAMPING": _short(DAMPING * np.sqrt(height / GRAVITY)),
-        "GROUND": f"{mesh.bounds[0, 2] - min(FALL * longest, height):.4g}", "STOP": _short(STOP * pace), "STEP": _short(STOP * pace / 250),
+        "GROUND": _precise(ground, longest), "STOP": _short(STOP * pace), "STEP": _short(STOP * pace / 250),
     }  # fmt: skip
 
 
@@ -107,6 +109,11 @@ def _mass(mesh: Mesh, density: float) -> tuple[str, float, str]:
         half = density * float(np.prod(high - low)) / 2
         return "surface", half, f"half of the mesh's box at {density:g} kg/m3: its surface is not closed"
     return "volume", float(masses.mass.sum()), f"the mesh at {density:g} kg/m3"
+
+
+def _precise(value: float, size: float) -> str:
+    """Returns the value with as many decimals as are a millionth of `size`."""
+    return repr(round(float(value), 6 - math.floor(math.log10(size))))
 
 
 def _short(value: float) -> str:

@@ -89,6 +89,14 @@ def test_the_mass_is_that_of_the_density_or_of_half_the_box_where_the_surface_is
     assert "its surface is not closed" in scene_of_mesh(opened, folder=tmp_path).text
 
 
+def test_ground_mass_and_scale_are_as_precise_as_the_mesh(tmp_path):
+    body, file = trimesh.creation.box((1, 1, 1)), tmp_path / "a.obj"
+    save_mesh(Mesh(body.vertices + np.array([4e5, 5237.4, 0.0]), body.faces), file)  # y is up
+    text = scene_of_mesh(file, folder=tmp_path, density=1049.0).text
+    assert "point = [0.0, 0.0, 5236.65]" in text and "total = 1049.0 " in text
+    assert "scale = 0.3048 " in scene_of_mesh(file, folder=tmp_path, unit="ft").text
+
+
 ASSETS = {
     '<asset><unit name="inch" meter="0.0254"/><up_axis>Z_UP</up_axis></asset>': Habit(0.0254, "z", True),
     "<asset><unit meter='0.01'/><up_axis>X_UP</up_axis></asset>": Habit(0.01, "x", True),
