@@ -93,6 +93,8 @@ def export_result(
         raise SoftffdError(f"lattice: wanted with {_that(lambda each: each.draws)}, which are drawn, got {name}")
     take = Take(result, _rows(len(result.time), frames), TOLERANCE if tolerance is None else tolerance, lattice, note, say)
     _ = take.stage  # raises SoftffdError where positions were not recorded
+    if not kind.draws:
+        take.require_within(name, float(np.spacing(np.abs(take.stage.positions[take.rows]).max().astype(np.float32))) / 2)
     require_writable(path.parent)
     if kind.series:
         _require_own(others[-1], kind.series)

@@ -55,11 +55,7 @@ def write(take: Take, path: Path) -> None:
         each[0] += mesh.vertices - motion.centre
     shapes = [each.astype(np.float32) for each in shapes]
     error = _error(take, motion, shapes)
-    if error > take.tolerance * side:
-        raise SoftffdError(
-            f"export to glb: the numbers of this format, in single precision, leave an error of {error / side:.2g} of the box; wanted a "
-            f"tolerance above that, got {take.tolerance:g}"
-        )
+    take.require_within("glb", error)
     file = _File(mesh, shapes, take)
     file.animate(take, motion, shapes)
     file.tree["asset"]["extras"] = {

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from softffd.errors import SoftffdError
 from softffd.lattice import to_flat
 from softffd.mesh.mesh import Mesh
 from softffd.run.progress import Note, silent
@@ -82,6 +83,15 @@ class Take:
         if self.stage.basis != "patches":
             return to_flat(self.stage.positions[row])
         return self.result.deformed(to_flat(self.stage.rest), row=row)
+
+    def require_within(self, name: str, error: float) -> None:
+        """Raises SoftffdError if single precision leaves an error [m] above the tolerance in the format of this name."""
+        side = float(self.stage.size.max())
+        if error > self.tolerance * side:
+            raise SoftffdError(
+                f"export to {name}: the numbers of this format, in single precision, leave an error of {error / side:.2g} of the box; "
+                f"wanted at most the tolerance, {self.tolerance:g}: a scene nearer to the origin, or glb with another --tolerance"
+            )
 
     def told_rows(self, what: str = "row") -> Iterator[tuple[int, int]]:
         """Yields number and row, one after the other; reports the progress to `note`."""

@@ -178,6 +178,16 @@ def test_what_cannot_be_is_refused(thrown, pressed, tmp_path):
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.parametrize("name", [name for name, each in FORMATS.items() if not each.draws])
+def test_places_that_single_precision_does_not_hold_are_refused(name, pressed, tmp_path):
+    if needs := FORMATS[name].needs:
+        pytest.importorskip(needs[0])
+    far = replace(pressed, positions=pressed.positions + 5e6)
+    with pytest.raises(SoftffdError, match=f"export to {name}: .* single precision, leave an error of .* of the box; wanted at most"):
+        far.export(tmp_path / "run", to=name)
+    assert os.listdir(tmp_path) == []
+
+
 def test_the_command_writes_beside_nothing_unless_it_may(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     simulate(box(points=[2, 2, 2], title="Two", stop_time=0.02)).save("kept")
