@@ -130,9 +130,27 @@ def _in_box(given: ArrayLike, origin: ArrayLike, size: ArrayLike) -> tuple[Point
         raise ValueError(f"lattice box: wanted three finite numbers each, got origin {corner} and size {sides}")
     if not (sides > 0).all():
         raise MeshError(f"lattice.size: wanted three sides > 0 m, got {_triple(sides)}")
-    if len(points) and not all(_inside((end - corner) / sides) for end in bounding_box(points)):
-        _refuse(points, corner, sides)
+    if found := outside(points, corner, sides):
+        low, high = bounding_box(points)
+        wanted = (
+            "a box that holds the whole mesh: leave both keys out to take the mesh's own bounding box (lattice.margin enlarges it), or use "
+            f"origin = {_triple(low)} and size = {_triple(high - low)}"
+        )
+        raise MeshError(f"lattice.origin, lattice.size: {found}. Wanted {wanted if np.isfinite(points).all() else 'finite coordinates'}.")
     return points, corner, sides
+
+
+def outside(given: ArrayLike, origin: ArrayLike, size: ArrayLike) -> str:
+    """Returns in words how many points (m, 3) m are not finite or lie outside the box, and the first of them; "" if all lie inside."""
+    points, corner, sides = _points(given), np.asarray(origin), np.asarray(size)
+    if not len(points) or all(_inside((end - corner) / sides) for end in bounding_box(points)):
+        return ""
+    finite = np.isfinite(points).all(axis=1)
+    wrong = ~_inside((points - corner) / sides) if finite.all() else ~finite
+    first = int(wrong.argmax())
+    box = f"lie outside the lattice's box, which spans {_triple(corner)} to {_triple(corner + sides)} m"
+    which = f"number {first} (from 0), {_triple(points[first])} m"
+    return f"{wrong.sum()} of the {len(points)} points {box if finite.all() else 'are not finite'}; the first is {which}"
 
 
 def _points(given: ArrayLike) -> Points:
@@ -148,17 +166,6 @@ def _points(given: ArrayLike) -> Points:
 def _inside(coordinates: Array) -> Any:
     """Returns which points with these coordinates (.., 3) are in the box."""
     return ((coordinates >= -OUTSIDE_ALLOWED) & (coordinates <= 1 + OUTSIDE_ALLOWED)).all(axis=-1)
-
-
-def _refuse(points: Points, origin: Array, size: Array) -> None:
-    outside = ~_inside((points - origin) / size)
-    low, high = bounding_box(points)
-    raise MeshError(
-        f"lattice.origin, lattice.size: {outside.sum()} of the mesh's {len(points)} points lie outside the lattice's "
-        f"box, which spans {_triple(origin)} to {_triple(origin + size)} m, while the mesh spans {_triple(low)} to "
-        f"{_triple(high)} m. Wanted a box that holds the whole mesh: leave both keys out to take the mesh's own "
-        f"bounding box (lattice.margin enlarges it), or use origin = {_triple(low)} and size = {_triple(high - low)}."
-    )
 
 
 def _checked_counts(counts: Sequence[int]) -> tuple[int, int, int]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from softffd.embedding.deform import deform
+from softffd.embedding.deform import deform, outside
 from softffd.errors import MeshError, SoftffdError, UnknownName
 from softffd.files import write_bytes
 from softffd.fmu.instance import Message
@@ -192,6 +192,9 @@ class Result(ObstacleCourses):
         positions = self._positions_at(row, "deformed")
         if self.lattice is None or np.isnan(positions).any():
             raise SoftffdError('deformed: wanted a run of an FMU of softffd with outputs.positions = "all"')
+        if found := outside(getattr(mesh, "vertices", mesh), self.lattice.origin, self.lattice.size):
+            hint = ", as load_mesh reads a mesh with the scene's scale and up" if hasattr(mesh, "vertices") else ""
+            raise MeshError(f"deformed: {found}. Wanted points of the rest shape in m within the box{hint}.")
         return deform(mesh, positions, origin=self.lattice.origin, size=self.lattice.size, basis=self.lattice.basis)
 
     def save(self, path: str | Path) -> list[Path]:

@@ -195,7 +195,7 @@ def test_a_box_rounded_to_six_digits_still_holds_its_mesh():
 def test_points_that_are_not_numbers_are_refused():
     points = cloud()
     points[3, 1] = np.nan
-    with pytest.raises(MeshError, match="1 of the mesh's 200 points"):
+    with pytest.raises(MeshError, match=r"1 of the 200 points are not finite; the first is number 3 .* Wanted finite"):
         Embedding(points, ORIGIN, SIZE, (4, 4, 4))
 
 

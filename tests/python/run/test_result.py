@@ -1,5 +1,6 @@
 """Results: planes over time, the lattice and its mesh, files."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from mesh_files import ball
 from scenes import box
-from softffd import FmuError, Result, SoftffdError, deform, load_scene, package_fmu, save_mesh, simulate, sweep
+from softffd import FmuError, MeshError, Result, SoftffdError, deform, load_scene, package_fmu, save_mesh, simulate, sweep
 from softffd.installed import host_library
 from softffd.show.stage import stage_of
 
@@ -91,6 +92,19 @@ def test_the_deformed_mesh_goes_with_the_probe_in_the_scene_s_own_box_and_basis(
     lattice = result.scene.lattice
     given = deform(result.scene.loaded_mesh, result.positions[-1], origin=lattice.origin, size=lattice.size, basis="bspline")
     np.testing.assert_array_equal(result.deformed(), given)
+
+
+def test_points_that_are_not_in_the_lattice_are_told_with_the_first_and_the_box(margin):
+    result = simulate(margin(), stop_time=0.01)
+    inside = result.lattice.rest()[1, 1, 1]
+    with pytest.raises(
+        MeshError, match=r"^deformed: 1 of the 2 points lie outside .* box, which spans .*first is number 1 .*, \[0, 0, 99\] m"
+    ):
+        result.deformed(np.array([inside, [0, 0, 99]]))
+    with pytest.raises(MeshError, match=r"^deformed: 1 of the 1 points are not finite; the first is number 0"):
+        result.deformed(np.array([[0, 0, np.nan]]))
+    with pytest.raises(MeshError, match="load_mesh reads a mesh with the scene's scale and up"):
+        result.deformed(replace(ball(), vertices=100 * ball().vertices))
 
 
 @pytest.mark.parametrize("positions", ["all", "x-", "{ i = [0, 2] }", "none"])
