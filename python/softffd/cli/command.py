@@ -216,7 +216,15 @@ def _view(options: argparse.Namespace) -> None:
     from softffd.cli.view import page_to_view
 
     with ProgressLine("reading the runs") as progress:
-        page = page_to_view(options.what, options.output, overwrite=options.overwrite, together=options.ssp, stage=progress.stage)
+        page = page_to_view(
+            options.what,
+            options.output,
+            overwrite=options.overwrite,
+            together=options.ssp,
+            mesh=options.mesh,
+            stage=progress.stage,
+            say=progress.say,
+        )
     print(page)
     webbrowser.open(page.resolve().as_uri())
 
@@ -247,7 +255,7 @@ def _export(options: argparse.Namespace) -> None:
     require_new(files, "another name by -o FILE", overwrite=options.overwrite)
     asked = {"to": name, "tolerance": options.tolerance, "frames": options.frames, "lattice": options.lattice}
     with ProgressLine("reading the result") as progress:
-        result = kept_result(options.what)
+        result = kept_result(options.what, options.mesh, progress.say)
         progress.stage(f"exporting to {name}")
         files = export_result(result, path, **asked, note=progress.note, say=lambda line: progress.say(f"  {line}"))
     print("\n".join(f"{file}: {size_of(file) / 1024:,.0f} kB" for file in files))

@@ -41,6 +41,7 @@ def _number(text: str) -> float:
 
 Add = Callable[[str, str, str], Parser]  # adds a command: name, help, an example
 SCENE = "Scene file, or name of a shipped scene."
+KEPT_MESH = "Mesh file of the run's scene, where it lies neither beside the run nor below its folder or this one."
 SCENE_OR_FMU = "Scene file, name of a shipped scene, or FMU."
 
 
@@ -199,6 +200,7 @@ def _others(add: Add) -> None:
     view = add("view", about, "softffd view softffd-press softffd-press-2")
     runs = "Folder of softffd run, or file of Result.save; or a system and the CSV file of the rows that a host recorded of it."
     view.add_argument("what", type=Path, nargs="+", metavar="DIR|X.npz|X.ssp", help=runs)
+    _option(view, "--mesh", "FILE", KEPT_MESH, type=Path)
     _switch(view, "--ssp", "Show the runs in one place, as components of a coupled run.")
     _output(view, "X.html", "File to write of several; default: A-B.html in this folder.")
     _add_overwrite(view, "a file that exists")
@@ -217,6 +219,7 @@ def _others(add: Add) -> None:
     _output(export, "FILE", "File to write; default: the run's name in this folder.")
     share = "Largest error of a vertex in glb, as a fraction of the largest side of the box; default: 0.001."
     export.add_argument("--tolerance", type=_number, metavar="T", help=share)
+    _option(export, "--mesh", "FILE", KEPT_MESH, type=Path)
     _option(export, "--frames", "N", "Number of rows to take, evenly chosen; default: all.", type=int)
     _add_lattice(export, "gif and mp4")
     _add_overwrite(export, "files that exist")

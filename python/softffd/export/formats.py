@@ -98,8 +98,6 @@ def export_result(
     require_writable(path.parent)
     if kind.series:
         _require_own(others[-1], kind.series)
-    if result.sceneless:
-        say(f"without its scene, so without a mesh of it: {result.sceneless}")
     write: Callable[[Take, Path], None] = import_module(f"softffd.export.{kind.writer}").write
     path.parent.mkdir(parents=True, exist_ok=True)
     with appearing_in(path.parent) as place:

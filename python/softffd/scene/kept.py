@@ -41,8 +41,8 @@ class KeptScene:
         if (named := keys.get("mesh")) and isinstance(named, dict):
             file = given or _mesh_file(str(named.get("file", "")), folder)
             if file is None:
-                why = f"its mesh, {named.get('file')}, is not beside it nor below its folder: load(..., mesh=FILE) takes it from elsewhere"
-                return None, why
+                why = f"its mesh, {named.get('file')}, is not beside it nor below its folder"
+                return None, f"{why}: copy it there, or name it: --mesh FILE, load(..., mesh=FILE)"
             keys["mesh"] = {**named, "file": str(file.absolute())}
         try:
             scene = scene_from(keys, path=str(self.path))

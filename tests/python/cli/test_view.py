@@ -8,9 +8,10 @@ import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.util import write_csv
 
-from pages import whole_run_of
+from mesh_files import ball
+from pages import run_of, whole_run_of
 from scenes import box
-from softffd import simulate, write_ssp
+from softffd import save_mesh, simulate, write_ssp
 from softffd.cli.command import main
 from softffd.run.replay import replay_system
 from softffd.scene.document import SHIPPED
@@ -39,6 +40,18 @@ def test_a_page_is_made_where_there_is_none_and_kept_where_there_is(opened, caps
 def test_one_file_of_a_result_has_its_page_beside_it(opened):
     assert main(["view", "kept/result.npz"]) == 0
     assert opened == [Path("kept/result.html").resolve().as_uri()]
+
+
+def test_a_mesh_that_lies_elsewhere_is_told_and_named(opened, tmp_path, monkeypatch, capsys):
+    save_mesh(ball(), "ball.obj")
+    simulate(scene_from({"mesh": {"file": "ball.obj"}}, path=tmp_path / "b.toml"), stop_time=0.02).save("deep/kept")
+    monkeypatch.chdir("deep")
+    for command in (["view", "kept"], ["export", "kept", "--to", "ply"]):
+        assert main(command) == 0 and "ball.obj, is not beside it nor below its folder: copy it there, or" in capsys.readouterr().out
+        assert main([*command, "--mesh", "../ball.obj", *(["--overwrite"] * (command[0] == "export"))]) == 0
+        assert "without its scene" not in capsys.readouterr().out
+    assert not run_of(Path("kept/view.html"))["cage"]
+    assert main(["view", "kept", "kept", "--mesh", "../ball.obj"]) == 1 and "--mesh: wanted with one kept run" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("what", ["nowhere", ".", "nowhere.npz"])

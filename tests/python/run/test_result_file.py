@@ -110,7 +110,7 @@ def test_a_mesh_in_any_other_place_is_not_looked_at(ball_run, tmp_path, monkeypa
     monkeypatch.setattr(Path, "is_file", lambda path: asked.append(path) or is_file(path))
     monkeypatch.setattr("softffd.mesh.files.load_mesh", lambda file, **_keys: asked.append(file))
     loaded = Result.load(tmp_path / "kept" / "run.npz")
-    assert loaded.scene is None and "load(..., mesh=FILE) takes it from elsewhere" in loaded.sceneless
+    assert loaded.scene is None and "copy it there, or name it: --mesh FILE, load(..., mesh=FILE)" in loaded.sceneless
     assert tmp_path / "ball.obj" not in asked
 
 
