@@ -1,5 +1,6 @@
 """The picture of a sensor: maps of the contact pressure on its taxels at telling moments, and its largest and mean value over time."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,6 +15,9 @@ from softffd.taxels import TaxelGrid
 
 PRESSED = 0.01
 """A map of the end is drawn if its largest pressure exceeds this fraction of the run's largest pressure"""
+
+LABEL = 0.5
+"""Least distance of the labels of ticks [inches]"""
 
 
 def taxel_picture(result: Result, name: str) -> Figure:
@@ -53,18 +57,22 @@ def pressed_moments(grid: TaxelGrid, pressure: np.ndarray) -> dict[int, str]:
     return {frame: " and ".join(found[frame]) for frame in sorted(found)}
 
 
-def _draw_map(figure: Figure, box: Box, grid: TaxelGrid, pressure: np.ndarray, ends: Sequence[float], caption: str) -> None:
+def _draw_map(figure: Figure, box: Box, grid: TaxelGrid, pressure: np.ndarray, scale: Sequence[float], caption: str) -> None:
     """Draws the map of one grid over its two axes at rest."""
     axes = figure.add_axes(box)
     lower, upper = np.array(grid.lower), np.array(grid.upper)
     half = np.where(upper > lower, 0.0, np.sqrt(np.sum(grid.areas)) / 2)  # half the side of a patch without extent along that side
     (left, low), (right, high) = lower - half, upper + half
     axes.imshow(
-        pressure.T, cmap=RAMP, vmin=ends[0], vmax=ends[1], origin="lower", extent=(left, right, low, high), interpolation="nearest",
+        pressure.T, cmap=RAMP, vmin=scale[0], vmax=scale[1], origin="lower", extent=(left, right, low, high), interpolation="nearest",
     )  # fmt: skip
-    for side, axis in zip((axes.xaxis, axes.yaxis), grid.along, strict=True):
+    room, extent = np.array(box[2:]) * figure.get_size_inches(), np.array([right - left, high - low])
+    lengths = extent * (room / extent).min()  # of the sides as drawn [inches]
+    for side, ends, axis, length in zip((axes.xaxis, axes.yaxis), ((left, right), (low, high)), grid.along, lengths, strict=True):
         side.set_major_formatter(EngFormatter(unit="m", sep=" "))
-        side.set_major_locator(MaxNLocator(4))
+        ticks = MaxNLocator(4).tick_values(*ends)
+        every = math.ceil(LABEL / length * (ends[1] - ends[0]) / (ticks[1] - ticks[0]))
+        side.set_ticks([tick for tick in ticks if ends[0] <= tick <= ends[1]][::every])
         side.set_label_text("xyz"[axis])
     axes.tick_params(labelsize=8)
     axes.set_title(caption, fontsize=10, **PLAIN)

@@ -1,5 +1,8 @@
 """Contact pressure in pictures and on the page: colours where taxels are, maps of the sensors, their scale."""
 
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from matplotlib import colormaps
@@ -50,6 +53,19 @@ def test_the_picture_of_taxels_has_a_map_for_each_moment(felt):
         assert np.array_equal(drawn, pressure[frame].T)
     said = " and ".join(moments.values())
     assert said.count("largest pressure") == said.count("half of the largest force") == said.count("end") == 1
+
+
+@pytest.mark.parametrize("share", [0.03, 0.1, 0.3, 1.0])
+def test_labels_of_a_narrow_map_do_not_overlap(felt, share):
+    grid = felt.taxels[0]
+    narrow = replace(grid, upper=(grid.lower[0] + share * (grid.upper[1] - grid.lower[1]), grid.upper[1]))
+    figure = replace(felt, taxels=(narrow, *felt.taxels[1:])).plot_taxels("foot")
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    ends = axes.get_xlim()
+    shown = [tick for tick in axes.xaxis.get_major_ticks() if ends[0] <= tick.get_loc() <= ends[1]]
+    places = [tick.label1.get_window_extent() for tick in shown]
+    assert places and all(one.x1 < other.x0 for one, other in pairwise(places))
 
 
 def test_the_picture_of_a_run_that_touched_nothing_says_so(felt):
