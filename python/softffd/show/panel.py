@@ -111,13 +111,12 @@ class Panels:
 
 
 def _draw_arrow(canvas: Canvas, start: np.ndarray, end: np.ndarray, *, width: float, colour: Tint, outline: Tint) -> None:
-    """Draws an arrow from `start` to `end` (3,) [m], lengthened if it is too short to look like one; its shaft is `width` pixels wide."""
+    """Draws an arrow from `start` to `end` (3,) [m]; its shaft is `width` pixels wide, that of a short arrow less."""
     a, b = canvas.project(np.stack([start, end]))
     along = (b - a)[:2]
     length = np.linalg.norm(along)
     along = along / length if length > 0 else np.array([0.0, 1.0])
-    wide = 2 * width
-    b[:2] = a[:2] + along * max(length, 6.5 * wide)
+    wide = min(2 * width, length / 6.5)
     for extra, tint in ((0.45 * wide, outline), (0.0, colour)):
         _fill(canvas, _arrow_corners(a, b, along, wide, extra), _ARROW, tint, 0.55)
 

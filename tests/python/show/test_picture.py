@@ -11,8 +11,9 @@ from mesh_files import two_colours
 from softffd.errors import SoftffdError
 from softffd.mesh.files import load_mesh
 from softffd.show.figure import draw_curves, draw_words, new_figure, png_of
-from softffd.show.panel import Panels
+from softffd.show.panel import Panels, _draw_arrow
 from softffd.show.picture import first_contact, run_picture, telling_moments
+from softffd.show.raster import Camera, Canvas
 from softffd.show.sight import view_axes
 from softffd.show.stage import FREE, PINNED, stage_of
 from softffd.show.touch import MARK
@@ -59,6 +60,16 @@ def test_a_picture_marks_what_touches_and_the_forces_on_obstacles():
     assert yellow[0] == dots[0] == 0  # it falls
     assert min(yellow[2:]) > 100 and max(yellow) > 500
     assert min(dots[2:]) > 100 and max(dots) < max(yellow) - 300  # without centres no arrows
+
+
+def test_a_short_arrow_is_as_short_as_its_force_says():
+    def height(length):
+        eye, up = np.array([0.0, -8.0, 0.0]), np.array([0.0, 0.0, 1.0])
+        canvas = Canvas(Camera(eye, np.zeros(3), up), 400, 400, top=(1, 1, 1), bottom=(1, 1, 1))
+        _draw_arrow(canvas, np.zeros(3), length * up, width=4.0, colour=MARK, outline=MARK)
+        return np.ptp(np.argwhere((canvas.image() < 0.5).any(axis=-1))[:, 0])
+
+    assert height(0.2) < 0.25 * height(1.0)
 
 
 def test_without_reactions_and_energies_the_picture_shows_the_height():

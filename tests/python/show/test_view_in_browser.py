@@ -138,6 +138,17 @@ def test_browser_shows_object_lattice_and_ground_and_yellow_dots_and_arrows_unti
             browser.ask("toggle('contacts')")
 
 
+def test_browser_draws_short_arrows_short(tmp_path):
+    with opened(write_view(made_up_run(), tmp_path / "view.html"), "#t=1.2&colour=strain") as browser:
+        heights = []
+        for length in (1.0, 0.1):
+            arrow = f"{{ places: new Float32Array(), arrows: [[[0, 0, 0], [0, 0, {length}]]] }}"
+            browser.ask(f"source.touch = () => ({arrow}), toggle('lattice')")
+            red, green, blue = colours(browser, tmp_path, slice(80, 520), slice(50, 620))
+            heights.append(np.ptp(np.argwhere((red > 0.8) & (green > 0.65) & (blue < 0.3))[:, 0]))
+        assert 0 < heights[1] < 0.2 * heights[0]
+
+
 @pytest.mark.short("True")
 @pytest.mark.parametrize("folded", [False, True])
 def test_browser_colours_the_cells(tmp_path, folded):

@@ -359,17 +359,17 @@ void main() {
   if (b.w < 1e-3) b = mix(a, b, (a.w - 1e-3) / (a.w - b.w));
   vec2 from = 0.5 * viewport * a.xy / a.w, to = 0.5 * viewport * b.xy / b.w, way = to - from + vec2(0, 1e-6);
   vec2 along = normalize(way), side = vec2(along.y, -along.x);
-  to = from + along * max(length(way), 6.5 * width);
-  vec2 neck = to - along * 4.0 * width;
+  float wide = min(width, length(way) / 6.5), rim = extra * wide / width;   // a short arrow is small as a whole
+  vec2 neck = to - along * 4.0 * wide;
   bool head = gl_VertexID > 5;
   vec2 at;
   if (head) {
-    float wing = 1.6 * (width + extra);
-    at = gl_VertexID == 8 ? to + 2.0 * extra * along : neck - extra * along + (gl_VertexID == 6 ? wing : -wing) * side;
+    float wing = 1.6 * (wide + rim);
+    at = gl_VertexID == 8 ? to + 2.0 * rim * along : neck - rim * along + (gl_VertexID == 6 ? wing : -wing) * side;
   } else {
     bool far = gl_VertexID == 2 || gl_VertexID == 4 || gl_VertexID == 5;
     bool left = gl_VertexID == 1 || gl_VertexID == 3 || gl_VertexID == 4;
-    at = (far ? neck : from - extra * along) + (left ? -1.0 : 1.0) * (0.5 * width + extra) * side;
+    at = (far ? neck : from - rim * along) + (left ? -1.0 : 1.0) * (0.5 * wide + rim) * side;
   }
   vec4 end_point = head || gl_VertexID == 2 || gl_VertexID > 3 ? b : a;
   gl_Position = vec4(2.0 * at / viewport * end_point.w, end_point.zw);
