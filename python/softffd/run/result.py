@@ -192,8 +192,9 @@ class Result(ObstacleCourses):
         positions = self._positions_at(row, "deformed")
         if self.lattice is None or np.isnan(positions).any():
             raise SoftffdError('deformed: wanted a run of an FMU of softffd with outputs.positions = "all"')
-        if found := outside(getattr(mesh, "vertices", mesh), self.lattice.origin, self.lattice.size):
-            hint = ", as load_mesh reads a mesh with the scene's scale and up" if hasattr(mesh, "vertices") else ""
+        points: Any = getattr(mesh, "vertices", mesh)
+        if found := outside(points, self.lattice.origin, self.lattice.size):
+            hint = "" if points is mesh else ", as load_mesh reads a mesh with the scene's scale and up"
             raise MeshError(f"deformed: {found}. Wanted points of the rest shape in m within the box{hint}.")
         return deform(mesh, positions, origin=self.lattice.origin, size=self.lattice.size, basis=self.lattice.basis)
 

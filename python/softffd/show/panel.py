@@ -114,7 +114,7 @@ def _draw_arrow(canvas: Canvas, start: np.ndarray, end: np.ndarray, *, width: fl
     """Draws an arrow from `start` to `end` (3,) [m]; its shaft is `width` pixels wide, that of a short arrow less."""
     a, b = canvas.project(np.stack([start, end]))
     along = (b - a)[:2]
-    length = np.linalg.norm(along)
+    length = float(np.linalg.norm(along))
     along = along / length if length > 0 else np.array([0.0, 1.0])
     wide = min(2 * width, length / 6.5)
     for extra, tint in ((0.45 * wide, outline), (0.0, colour)):
