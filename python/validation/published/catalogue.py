@@ -19,8 +19,8 @@ def solid(ratio: float, *points: int) -> Body:
 ELASTICA = (springs(31, 4, 4), solid(0.0, 31, 4, 4), solid(0.0, 25, 4, 4))
 BISSHOPP = "K. E. Bisshopp, D. C. Drucker 1945, [doi:10.1090/qam/13360](https://doi.org/10.1090/qam/13360)"
 SLENDER = (
-    "Beams of 31 points are 10 times as long as high, that of 25 points 20 times. The reference has neither shear nor stretch, which add "
-    "some (h / L)2: 1 to 2 % and 0.3 to 0.5 %."
+    "Beams of 31 points are 10 times as long as high, that of 25 points 20 times. The reference neglects shear and stretch, which add "
+    "about (h / L)2: 1 to 2 % and 0.3 to 0.5 %."
 )
 
 CASES = (

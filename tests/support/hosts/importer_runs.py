@@ -68,8 +68,8 @@ IMPORTERS = {
 }  # fmt: skip
 FMPY = "FMPy"
 ABSENT = {
-    "OMSimulator": "PyPI has a source package alone, no wheel",
-    "PyFMI": "PyPI has a source package alone, no wheel; conda-forge has it built",
+    "OMSimulator": "PyPI has only a source package",
+    "PyFMI": "PyPI has only a source package; conda-forge has it built",
     "FMU Compliance Checker (fmuCheck), fmusim of the Reference FMUs": "releases on GitHub alone",
     "fmi-sim of rust-fmi": "crates.io alone",
     "Maestro 4": "3.1.1 is the newest that Maven Central gives out",
