@@ -25,9 +25,10 @@ enum class Reason {
   damped_contact,   ///< an obstacle is within reach of a body with internal damping
   free_flight,      ///< stiff and free, and the fast modes are quiet: rigid motion, and implicit steps for the deformation
   impact,           ///< a stiff body strikes an obstacle, or rings on one
-  ringing_flight    ///< a stiff body flies beside an obstacle: its modes carry the vibrations
+  ringing_flight,   ///< a stiff body flies beside an obstacle: its modes carry the vibrations
+  damped_motion     ///< a pinned body with internal damping away from obstacles: implicit steps where they pay, else explicit ones
 };
-constexpr Reason last(Reason) { return Reason::ringing_flight; }
+constexpr Reason last(Reason) { return Reason::damped_motion; }
 
 /// Step of a fixed-step method, found by trial: runs with h and h / 2 over a short sub-interval are compared.
 struct Calibration {

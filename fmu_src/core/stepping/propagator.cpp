@@ -164,7 +164,7 @@ StepStatus Propagator::run_by_trials(const StepContext& context, double end) {
         !context.drive.pins.empty() && body.dashpots() && context.request.method == Method::automatic && !body.explicit_alone;
     const DampedSteps::ExplicitSteps others{.free = &calibrator_.of(context.run)};
     if (creeps && !is_implicit(method) && left > DampedSteps::worth(integrators_, context, others)) {
-      control.reason = Reason::quiet_stiffness;
+      control.reason = Reason::damped_motion;
       return damped_.of(lattice_, context.run).run(integrators_, context, end, others);
     }
     if (control.trials.forecast > use::too_long * budget().left()) return StepStatus::too_much_work;

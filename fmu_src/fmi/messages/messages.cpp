@@ -52,6 +52,7 @@ std::string reason_text(Reason reason) {
     case Reason::free_flight: return "auto: a stiff body is in free flight and its fast vibrations are small: implicit steps damp them";
     case Reason::impact: return "a stiff body hits an obstacle, or vibrates on one";
     case Reason::ringing_flight: return "a stiff body is in free flight near an obstacle; its modes describe its vibrations";
+    case Reason::damped_motion: return "auto: a pinned body has internal damping: implicit steps where they cost less than explicit ones";
   }
   return "unknown";
 }
