@@ -35,18 +35,19 @@ On = Annotated[
 
 
 class Sensor(Section):
-    """Contact forces and pressures on a patch of the object: outputs, of all obstacles together, means over the communication step."""
+    """Measures the contact force and pressure of all obstacles on a patch. The outputs are means over the communication step."""
 
     name: Name = key(..., NAME, examples=["foot"])
     on: On = key(
         ...,
-        'the patch: "z-" and its like is what faces that side of the box, of the mesh where that touches, else of the control points; the '
-        "name of a group or object of the mesh; { box = [[x, y, z], [x, y, z]] } is what lies in a box of the rest shape [m]",
+        'the patch. "z-" means the part of the mesh that faces that side of the box (control points, if obstacles touch these). The patch '
+        "can also be a group or object of the mesh, by its name, or everything in a box of the rest shape, "
+        "{ box = [[x, y, z], [x, y, z]] } [m]",
         examples=["z-"],
     )
 
     taxels: Sides | None = key(
-        None, "a grid of n x m cells over the patch, 1..64 each, along the axes that it lies along, in their order; absent: none"
+        None, "divides the patch into n x m cells, 1 to 64 each, along the two axes in which it extends, in their order; absent: none"
     )
 
     @property
@@ -60,15 +61,15 @@ class Probe(Section):
 
     name: Name = key(..., NAME, examples=["nose"])
     at: Vector = quantity(..., "m", "position in the rest shape, inside the box", examples=[[0.5, 0.5, 0.5]])
-    stress: Switch = key(False, "of a solid: outputs of the Cauchy stress there, xx, yy, zz, xy, xz and yz [Pa]")
-    von_mises: Switch = key(False, "of a solid: an output of von Mises' equivalent stress there [Pa]")
-    stretch: Switch = key(False, "of a solid: an output of the largest principal stretch there")
+    stress: Switch = key(False, "outputs of the Cauchy stress of a solid there: xx, yy, zz, xy, xz and yz [Pa]")
+    von_mises: Switch = key(False, "an output of von Mises' equivalent stress of a solid there [Pa]")
+    stretch: Switch = key(False, "an output of the largest principal stretch of a solid there")
     velocity: Switch = key(False, "outputs of its velocity [m/s]")
     acceleration: Switch = key(False, "outputs of its acceleration, mean of the communication step [m/s2]")
     maximum: Switch = key(
         False,
-        "outputs of the largest magnitude within the communication step of what is on of `velocity`, `acceleration` and `von_mises`, seen "
-        "at every internal step",
+        "adds the largest magnitude, over all internal steps of the communication step, of each of `velocity`, `acceleration` and "
+        "`von_mises` that is switched on",
     )
 
 

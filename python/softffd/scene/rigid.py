@@ -50,23 +50,25 @@ PinInputs = Annotated[tuple[str, ...], _chosen_of(PIN_POSE), _chosen_schema(PIN_
 
 def _inputs(pose: dict[str, str], *, of: str = "", example: str = "") -> Any:
     vectors = ", ".join(f"`{vector}`" for vector in pose)
-    what = f"which of {vectors}{of} are inputs, or single components{example}"
-    return key((next(iter(pose)), "velocity"), f"{what}; the rest are parameters, which hold at every communication point")
+    what = f"the vectors of {vectors}{of} that are inputs, or single components{example}"
+    return key((next(iter(pose)), "velocity"), f"{what}. The others are parameters, which hold at every communication point")
 
 
 def _motion(*, free: bool = False) -> Any:
     """Returns the key `motion`. free: whether the part may be a free body with its own mass."""
-    more = '; "free": a rigid body of its own mass, which gravity, the object and the inputs `force` and `torque` move' if free else ""
-    return key("fixed", f'"fixed", or "input": what `inputs` names are inputs of the FMU{more}')
+    body = (
+        '. With "free" the part is a rigid body with its own mass, moved by gravity, by the object and by its inputs `force` and `torque`'
+    )
+    return key("fixed", f'with "input" the components that `inputs` names are inputs of the FMU{body if free else ""}')
 
 
 def _inertia(default: str) -> Any:
-    text = f"of a free body, > 0: moments of inertia about {default}; none exceeds the sum of the others; none with `guide`"
-    return quantity(None, "kg m2", text)
+    limits = "Each must be positive, and none may exceed the sum of the other two. A body with `guide` has none"
+    return quantity(None, "kg m2", f"moments of inertia of a free body about {default}. {limits}")
 
 
 def _guide() -> Any:
-    return quantity(None, "1", "of a free body, any length > 0: it moves along this axis of the world alone, and does not turn")
+    return quantity(None, "1", "axis in the world, of any length > 0: a free body that has it moves along it only and does not turn")
 
 
 class Rigid(Section):
@@ -115,8 +117,8 @@ class Solid(Rigid):
     mass: Number | None = quantity(None, "kg", "mass of a free body, which has it or `density`", gt=0)
     density: Number | None = quantity(None, "kg/m3", "density of a free body, in place of `mass`", gt=0)
     inertia: PositiveVector | None = _inertia(
-        "its own axes through its centre (a box: its edges; a cylinder: the third is `normal`; a sphere: the world's); default: those of "
-        "the homogeneous solid"
+        "its own axes through its centre (a box: its edges; a cylinder: the third is `normal`; a sphere: the world's). By default "
+        "they are those of the homogeneous solid"
     )
     guide: Direction | None = _guide()
 
@@ -184,18 +186,18 @@ class Box(Solid):
 
 
 class Pin(Rigid):
-    """Control points, of a solid the nodes of their indices, on a rigid frame, whose axes at rest are the world's."""
+    """A rigid frame that holds control points, or the nodes of a solid with the same indices. At rest its axes are those of the world."""
 
     POSE = PIN_POSE
 
     name: Name = key(..., NAME, examples=["base"])
     points: Selection = key(..., "the pinned control points: a selection of at least one", examples=["z-"])
     origin: Vector | None = quantity(
-        None, "m", "origin of the frame at rest: the reference point of its position, velocity and torque; default: the centroid of "
-        "the points, of a solid of the nodes"
+        None, "m", "origin of the frame at rest: the reference point of its position, velocity and torque. The default is the centroid of "
+        "the points, or of the nodes of a solid"
     )  # fmt: skip
     motion: FreeMotion = _motion(free=True)
-    mass: Number | None = quantity(None, "kg", "mass of a free body, which must be given; that of the points comes on top", gt=0)
-    inertia: PositiveVector | None = _inertia("the axes of the frame through `origin`, which is the centre of mass; must be given")
+    mass: Number | None = quantity(None, "kg", "mass of a free body, which must be given; the mass of the points is added to it", gt=0)
+    inertia: PositiveVector | None = _inertia("the axes of the frame through `origin`, which is the centre of mass. They must be given")
     guide: Direction | None = _guide()
     inputs: PinInputs = _inputs(PIN_POSE, of=" of the frame", example=': "position.z"')

@@ -44,13 +44,13 @@ class Lattice(Section):
 
     points: PointsInput = quantity(
         (4, 4, 4), "1",
-        'control points per axis [nx, ny, nz], 2..32 each, of a solid 4, 7, .., 31, three cells for each patch; "cubic", or absent beside '
-        "`cells` or `spacing`: computed from these",
+        "number of control points per axis, [nx, ny, nz], each from 2 to 32. For a solid each is 4, 7, .. or 31: three cells per patch. "
+        'With "cubic", or without `points`, the numbers are computed from `cells` or `spacing` if one of these is given',
     )  # fmt: skip
     cells: Cells | None = quantity(
         None, "1",
-        "cells along the longest side of the box, 1..31, in place of `points`; the other sides get nearly cubic cells, a solid whole "
-        "patches",
+        "number of cells along the longest side of the box, 1 to 31, in place of `points`. The other sides get nearly cubic cells, and "
+        "each side of a solid gets whole patches",
     )  # fmt: skip
     spacing: Number | None = quantity(None, "m", "approximate edge of the cells, in place of `points`", gt=0)
     origin: Vector | None = quantity(None, "m", "lower corner of the box; default: that of the mesh enlarged by `margin`, or [0, 0, 0]")
@@ -59,12 +59,14 @@ class Lattice(Section):
     )
     margin: Number = quantity(0.0, "1", "fraction of the size of the mesh that the box adds on every side", ge=0)
     springs: Literal["distinct", "paper"] = key(
-        "distinct", '"distinct": each spring once (468 for 4x4x4); "paper": springs on the edges of the box twice (504); a solid has none'
+        "distinct",
+        'with "distinct" each spring exists once (468 for 4x4x4). With "paper" the springs on the edges of the box exist twice (504). A '
+        "solid has no springs",
     )
     basis: Literal["bezier", "bspline", "patches"] = key(
         "bezier",
-        '"bezier": each control point moves the whole object; "bspline": uniform cubic, clamped: only its surroundings, for fine lattices; '
-        '"patches", that of a solid: Bezier volumes of 3 x 3 x 3 cells side by side',
+        'with "bezier" each control point moves the whole object. With "bspline" (uniform cubic, clamped) it moves only its surroundings, '
+        'which suits fine lattices. A solid has "patches": Bezier volumes of 3 x 3 x 3 cells side by side',
     )
 
 
@@ -88,20 +90,21 @@ class Mass(Section):
     )  # fmt: skip
     distribution: Literal["uniform", "box", "vertices", "surface", "volume"] = key(
         "uniform",
-        '"uniform": equal masses; "box": uniform density in the box, each cell gives an eighth of its mass to each corner; "vertices", '
-        '"surface", "volume": uniform over those of the mesh; default beside `material.youngs_modulus`: "volume" with a closed mesh, '
-        'else "box"; a solid is never "uniform"',
+        'with "uniform" all points have equal masses. With "box" the box has uniform density: each cell gives an eighth of its mass to '
+        'each corner. With "vertices", "surface" or "volume" the mass is spread evenly over that part of the mesh. The default beside '
+        '`material.youngs_modulus` is "volume" with a closed mesh, and "box" otherwise. A solid cannot have "uniform"',
     )
     uniform_share: Number = quantity(
         0.1, "1",
-        'fraction of the mass that is distributed equally over the points, so that none is nearly massless; 0 for "box"; none of a solid',
+        "this fraction of the mass is shared equally by all points, so that no point is nearly massless. It must be 0 with \"box\", which "
+        "is its default there. A solid does not have this key",
         ge=0, le=1,
     )  # fmt: skip
     inertia: Literal["lumped", "matched"] = key(
         "lumped",
-        '"lumped": masses by the weights; their moment of inertia is too large, about twice at 4 control points per axis '
-        '(`softffd build` reports it); "matched": the inertia of the object, for bodies that roll or tip; steps are two to five times '
-        "shorter; a solid has it by itself, where masses at its nodes can",
+        'with "lumped" the masses follow the weights of the points. Their moment of inertia is too large, about twice at 4 control points '
+        'per axis; `softffd build` reports the factor. With "matched" the masses have the inertia of the object, for bodies that roll or '
+        "tip, and steps are shorter. A solid has the inertia of the object already, if masses at its nodes can have it",
     )
 
 
@@ -128,8 +131,8 @@ else:
 
 
 class Material(Section):
-    """Springs and damping (Xia & Wang 2009, eq. (3) and (6)): a stiffness for each spring, or a modulus; or a solid of finite elements.
-    The elastic body is the whole box of the lattice, also where a mesh fills little of it: a hollow one has the stiffness of a block."""
+    """The body is made of springs with a stiffness or a modulus (Xia & Wang 2009, eq. (3) and (6)), or it is a solid of finite elements.
+    The elastic body always fills the whole box, also if the mesh fills little of the box: a hollow object has the stiffness of a block."""
 
     model: Literal["springs", "solid"] = key(
         "springs",
@@ -137,34 +140,35 @@ class Material(Section):
     )
     stiffness: StiffnessInput | None = quantity(
         None, "N/m",
-        "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }; default without `youngs_modulus`: 1e3; "
-        "none of a solid",
+        "spring stiffness, >= 0: one number for all springs, or { edge = , face = , body = }. The default without `youngs_modulus` is "
+        "1e3. A solid does not have this key",
     )  # fmt: skip
     youngs_modulus: Number | None = quantity(
         None, "Pa",
-        "Young's modulus at small strain; must be given for a solid. Of springs in place of `stiffness`: they model an isotropic body of "
-        "Poisson's ratio 1/4, the only ratio that springs allow, on any lattice; only edges and face diagonals have springs", gt=0,
+        "Young's modulus at small strain. It must be given for a solid. For springs it replaces `stiffness`: the springs, on edges and "
+        "face diagonals only, then behave as an isotropic body of Poisson's ratio 1/4 on any lattice", gt=0,
     )  # fmt: skip
     poissons_ratio: Number | None = quantity(
         None, "1",
-        "Poisson's ratio of a solid, 0..0.495; default 0.45; the nearer to 1/2, the shorter the steps; none of springs", ge=0, le=0.495,
+        "Poisson's ratio of a solid; the default is 0.45. A ratio nearer to 1/2 makes steps shorter. Springs do not have this key",
+        ge=0, le=0.495,
     )  # fmt: skip
-    density: Number | None = quantity(None, "kg/m3", "density of a solid, the same as `mass.density`; none of springs", gt=0)
+    density: Number | None = quantity(None, "kg/m3", "density of a solid, the same as `mass.density`. Springs do not have this key", gt=0)
     damping: Number = quantity(
         0.01, "N.s/m",
-        "nodal viscous drag: damping coefficient of each control point, d_i of eq. (3); it also brakes rigid motion; default beside "
-        "`youngs_modulus`: 0", ge=0,
+        "nodal viscous drag: damping coefficient of each control point, d_i of eq. (3). It also brakes rigid motion. The default beside "
+        "`youngs_modulus` is 0", ge=0,
     )  # fmt: skip
     internal_damping: Number = quantity(
         0.0, "s",
-        "stiffness-proportional (Kelvin-Voigt) damping: the stiffness times this time, of springs a dashpot along each; "
-        "damps deformation, not rigid motion; a mode of angular frequency omega has the damping ratio omega / 2 times this time; 0: absent",
+        "Kelvin-Voigt damping: the stiffness is multiplied by this time, which gives each spring a dashpot. It damps deformation but not "
+        "rigid motion. A mode of angular frequency omega gets the damping ratio omega / 2 times this time. With 0 there is none",
         ge=0,
     )  # fmt: skip
     volume_stiffness: Number = quantity(
         0.0, "Pa",
-        "prevents the inversion of crushed cells: acts where a corner of a cell has lost half its volume; a first value is 3 times the "
-        "stiffness divided by the edge of a cell, or youngs_modulus; 0: absent; none of a solid", ge=0,
+        "prevents crushed cells from inverting; it acts once a corner of a cell has lost half its volume. Begin with 3 times the stiffness "
+        "divided by the edge of a cell, or with `youngs_modulus`. 0 switches it off. A solid does not have this key", ge=0,
     )  # fmt: skip
 
     @property
@@ -174,7 +178,7 @@ class Material(Section):
 
 
 class Region(Section):
-    """A local override; where regions overlap, the last one wins. Those of a solid have `mass` and `damping` alone."""
+    """A local override. Where regions overlap, the last one wins. In a region of a solid only `mass` and `damping` can be given."""
 
     points: Selection = key(..., "the control points of the region: a selection", examples=["z-"])
     stiffness: Number | None = quantity(None, "N/m", "stiffness of springs with both ends in the region", ge=0)
@@ -202,20 +206,19 @@ class Contact(Section):
 
     of: Literal["surface", "lattice"] = key(
         "lattice",
-        '"surface": the vertices of the mesh, default with a mesh; "lattice": the control points, whose convex hull contains the object, '
-        'or the nodes of a solid, which lie on its surface; default without a mesh and with the method "central_difference", which has no '
-        "contact of the surface",
+        'with "surface" obstacles act on the vertices of the mesh; this is the default with a mesh. With "lattice" they act on the control '
+        "points, whose convex hull contains the object, or on the nodes of a solid. This is the default without a mesh, and with the "
+        'method "central_difference", which has no contact of the surface',
     )
     penetration: Number = quantity(
         1e-3, "1",
-        "of a mesh with more than 5,000 vertices, up to 5,000 are tested for contact; the others may penetrate a plane by this fraction "
-        "of the height of the lattice; `softffd build` reports the bound that holds; 0: all vertices are tested", ge=0, le=1,
+        "if a mesh has more than 5,000 vertices, at most 5,000 are tested for contact. This is the penetration that is aimed at for the "
+        "others, as a fraction of the lattice's height; `softffd build` reports the real bound. With 0 all vertices are tested", ge=0, le=1,
     )  # fmt: skip
 
 
 class Load(Section):
-    """A total force shared equally by its points, or by nodes of a solid as their parts of the volume are, which makes a traction on a
-    face; an input of the FMU."""
+    """A total force, an input of the FMU. Control points share it equally, nodes of a solid by their volume, as a traction on a face."""
 
     name: Name = key(..., NAME, examples=["push"])
     points: Selection = key(..., "the loaded control points: a selection of at least one", examples=["x+"])
@@ -257,7 +260,8 @@ class Solver(Section):
     )
     tolerance: Number = quantity(
         1e-4, "1",
-        "error allowed in any control point, or node of a solid, at the end of the run, relative to the largest side of the box", gt=0,
+        "error allowed in each coordinate of any control point, or node of a solid, at the end of the run, relative to the largest side of "
+        "the box", gt=0,
     )  # fmt: skip
     step: Number = quantity(0.0, "s", "internal step; 0: chosen by stability and tolerance", ge=0)
     most_work: Number = key(
@@ -265,7 +269,9 @@ class Solver(Section):
         "limit of the work of one call, in evaluations of the forces of 64 control points: a million takes about a second on one core",
         gt=0,
     )
-    threads: Threads = key(1, "threads for the spring forces, 1..64, each for at least 512 control points; results are bitwise the same")
+    threads: Threads = key(
+        1, "number of threads for the spring forces, 1 to 64. Each thread needs at least 512 control points. The results have the same bits"
+    )
     error_estimate: Switch = key(False, "estimates the error by a second run beside this one; takes 80 to 160 % more time")
 
 
