@@ -141,7 +141,9 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
     const double exact = use::window_fraction * tolerance / (1 + phase.gain);
     const double known = fresh && stiff.unknown > use::hopeless * tolerance ? use::fraction_of_known * stiff.unknown : 0;
     const double allowed = std::max(physical.total_error() > exact ? use::window_fraction * tolerance : exact, known);
-    if (error <= allowed || 0.5 * h <= least || tries == use::most_window_tries) {
+    const bool last = 0.5 * h <= least || tries == use::most_window_tries;
+    if (last && !std::isfinite(error)) return StepStatus::not_finite;
+    if (error <= allowed || last) {
       const bool easy = touches && !fresh && tries == 0 && 4 * error < use::easy * allowed;
       if (easy) std::swap(physical, coarse_);  // the step size of the trusted windows: another one would disturb a body at rest
       stiff.trusted.learn(left.times(4));
@@ -155,7 +157,8 @@ StepStatus Windows::run(const Beside& at, Flights& flights) {
       return StepStatus::ok;
     }
     control.rejected += physical.steps - taken;
-    const double factor = std::clamp(use::window_safety * std::sqrt(allowed / error), use::window_shrink, 0.5);
+    const double ratio = std::isfinite(error) ? allowed / error : 0,
+                 factor = std::clamp(use::window_safety * std::sqrt(ratio), use::window_shrink, 0.5);
     const double smaller = std::max(h * factor, std::min(0.5 * h, 2 * least));
     if (smaller == 0.5 * h) {  // the finer run is the next coarse one
       physical.stiff.phase = next;
