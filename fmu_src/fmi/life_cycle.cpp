@@ -13,6 +13,10 @@ void Times::check_step(double time, double step) const {
   if (!std::isfinite(time) || !(std::abs(time - now) <= slack))
     throw CallError("currentCommunicationPoint: wanted " + number(now) + " s, got " + number(time) + ", " + number(time - now) + " s off");
   if (!std::isfinite(step) || !(step > 0)) throw CallError("communicationStepSize: wanted > 0 s, got " + number(step));
+  const double passed = std::max(std::abs(now), now - start);  // the clock of the body starts at 0
+  if (const double least = std::nextafter(passed, std::numeric_limits<double>::infinity()) - passed; step < least)
+    throw CallError("communicationStepSize: wanted at least " + number(least) + " s at time " + number(now) +
+                    " s, where a shorter step does not advance time, got " + number(step));
   if (now + step > stop + rounding + 1e-9 * std::max(1.0, stop - start))
     throw CallError("a step to " + number(now + step) + " s goes past the stop time " + number(stop) + " s");
 }

@@ -18,7 +18,7 @@ struct Times {
   double start = 0, now = 0, stop = std::numeric_limits<double>::infinity();
   bool given = false;  ///< the host has set the times
 
-  /// Throws CallError unless a communication step from `time` begins at `now`, has a length > 0 and ends within the run, to rounding.
+  /// Throws CallError unless a communication step from `time` begins at `now`, advances time and ends within the run, to rounding.
   void check_step(double time, double step) const;
   /// Returns the length of the run [s], or `expected` if there is no stop time.
   double horizon(double expected) const;

@@ -42,6 +42,14 @@ TEST(a_step_has_a_length_and_ends_within_the_run) {
   CHECK(refused_step(times, 0.9, 0.1001) == "a step to 1.0001 s goes past the stop time 1 s");
 }
 
+TEST(a_step_that_does_not_advance_time_is_refused_with_the_smallest_one) {
+  const std::string wanted = "communicationStepSize: wanted at least 0.125 s at time 1e+15 s, where a shorter step does not advance time";
+  for (const softffd::fmi::Times times : {softffd::fmi::Times{.start = 1e15, .now = 1e15}, {.start = 0, .now = 1e15}})
+    CHECK(refused_step(times, 1e15, 0.01) == wanted + ", got 0.01" && refused_step(times, 1e15, 0.125).empty());
+  CHECK(!refused_step({.start = -4, .now = 0}, 0, 1e-20).empty());  // the body's clock is at 4 s
+  CHECK(refused_step({}, 0, 1e-300).empty());
+}
+
 TEST(the_horizon_is_the_length_of_the_run_or_the_one_expected) {
   CHECK((softffd::fmi::Times{.start = 2, .now = 2, .stop = 5}.horizon(7)) == 3);
   CHECK((softffd::fmi::Times{.start = 2, .now = 2}.horizon(7)) == 7);
