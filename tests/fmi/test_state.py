@@ -2,6 +2,7 @@
 instances too, is seen by test_sequences.py.
 """
 
+import itertools
 import subprocess
 import sys
 import zlib
@@ -123,17 +124,17 @@ def test_values_that_no_setter_takes_are_refused_under_a_sound_checksum(rich, me
     host = begun(rich, method)
     assert host.set({"stiffness.edge": 4321.5}) == OK
     before = advance(host, 0, 3)
+    host.set_rates({"load.push.x": 1234.5})
     blob = host.serialized(host.save())
     size = int.from_bytes(blob[16:24], "little")
     head, payload = blob[:-size], blob[-size:]
     assert sealed(payload, head) == blob
-    number = np.float64(4321.5).tobytes()
-    places = [at for at in range(0, len(payload), 8) if payload[at : at + 8] == number]
-    assert len(places) == 2, "the value given and the value in effect"
-    for at in places:
-        for value in (-4321.5, np.inf, np.nan):
-            forged = payload[:at] + np.float64(value).tobytes() + payload[at + 8 :]
-            assert received(host, sealed(forged, head)) == ERROR or host("SetFMUstate", host.received(sealed(forged, head))) == ERROR
+    for number, count, wrong in [(4321.5, 2, (-4321.5, np.inf, np.nan)), (1234.5, 1, (np.inf, np.nan))]:
+        places = [at for at in range(0, len(payload), 8) if payload[at : at + 8] == np.float64(number).tobytes()]
+        assert len(places) == count, "the stiffness given and in effect; the rate"
+        for at, value in itertools.product(places, wrong):
+            forged = sealed(payload[:at] + np.float64(value).tobytes() + payload[at + 8 :], head)
+            assert received(host, forged) == ERROR or host("SetFMUstate", host.received(forged)) == ERROR
             assert host.outputs() == before
     advance(host, 3, 4)
     host.free()

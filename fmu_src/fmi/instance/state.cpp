@@ -153,11 +153,11 @@ void Instance::load_state(const Bytes& bytes) {
   Whole all = whole();
   pass(reader, all);
   if (!reader.at_end()) throw StateError("the state is too long");
+  all.values.rated = all.place.rated;
   if (!sound(all, variables_)) throw StateError("the state has values that no run produces");
   const Place& place = all.place;
   phase = Phase(place.phase);
   times_ = place.times;
-  all.values.rated = place.rated;
   variables_.restore(std::move(all.values), std::move(all.last_step));
   apply_values();
   Settings& s = body_.settings;

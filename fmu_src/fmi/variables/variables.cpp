@@ -239,6 +239,10 @@ bool Variables::sound(const Values& values) const {
   for (std::size_t row = 0; row < family_count; ++row)
     for (double v : values.numbers[row])
       if (!(std::isfinite(v) && v >= families[row].min && v <= families[row].max && v > families[row].above)) return false;
+  for (const Table& order : values.rates)
+    for (const auto& list : order)
+      for (double v : list)
+        if (!std::isfinite(v) || (v != 0 && !values.rated)) return false;
   return method_fits(values.numbers[row_of(Family::solver_method)][0]);
 }
 

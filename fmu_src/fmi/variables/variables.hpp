@@ -81,7 +81,7 @@ class Variables {
   const LastStep& last_step() const { return last_; }
   /// Restores values of this scene, which must be sound.
   void restore(Values values, LastStep last);
-  /// True if `set` would accept all values.
+  /// True if `set` and `set_input_derivatives` would accept all values.
   bool sound(const Values& values) const;
 
  private:
