@@ -13,10 +13,11 @@ struct CallError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Times of the run: start, stop, and the communication point that it has reached [s].
+/// Times of the run: start, stop, and the communication point that it has reached [s]; its tolerance.
 struct Times {
   double start = 0, now = 0, stop = std::numeric_limits<double>::infinity();
-  bool given = false;  ///< the host has set the times
+  double tolerance = 0;  ///< that the host gave [1]; 0: none
+  bool given = false;    ///< the host has set the times
 
   /// Throws CallError unless a communication step from `time` begins at `now`, advances time and ends within the run, to rounding.
   void check_step(double time, double step) const;

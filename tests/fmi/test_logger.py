@@ -3,11 +3,12 @@
 from ctypes import CDLL, c_char_p, c_size_t, create_string_buffer
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from c_host import DISCARD, ERROR, OK, STEP, WARNING, Fmu, Host, doubles, uints
 from scenes import MOVED, box
-from straight_run import check_straight, straight
+from straight_run import RICH, check_straight, straight
 
 CANCELLED = b"fmi2CancelStep: steps are never pending, there is none to cancel"
 
@@ -137,6 +138,25 @@ def test_a_run_that_was_not_set_up_is_warned_of_once_and_is_that_of_the_defaults
         host.must("Reset")
     host.begin()
     assert sum(told in message[4] for message in host.messages) == 2
+    host.free()
+
+
+@pytest.mark.parametrize(
+    "parameter, given, used", [(1e-6, "default", 1e-6), (1e-6, 1e-3, 1e-3), (None, 1e-3, 1e-3), (1e-6, None, 1e-6), (1e-6, 1e-6, 1e-6)]
+)
+def test_where_parameter_and_host_give_other_tolerances_the_one_used_is_told(rich_of_each, parameter, given, used):
+    """That of DefaultExperiment is passed on by hosts that nobody asked for a tolerance."""
+    given = RICH.solver.tolerance if given == "default" else given
+    host = rich_of_each.host(logging=True)
+    assert parameter is None or host.set({"solver.tolerance": parameter}) == OK
+    assert host.enter(tolerance=given) == OK
+    assert np.float64(used).tobytes() in host.settings()
+    told = [message[2:] for message in host.messages if b"tolerance" in message[4]]
+    assert len(told) == (None not in (parameter, given) and parameter != given)
+    for status, category, text in told:
+        assert (status, category) == (WARNING, b"logStatusWarning")
+        assert text.startswith(b"solver.tolerance was set to 1e-06, and the host gave the run the tolerance 0.00")
+        assert text.endswith(f": {used:.9g} is used".encode())
     host.free()
 
 

@@ -33,14 +33,23 @@ void Instance::reset() {
 }
 
 void Instance::setup_experiment(double start_time, double tolerance, double stop_time) {
-  times_ = {.start = start_time, .now = start_time, .stop = stop_time, .given = true};
-  if (tolerance > 0) variables_.set_tolerance(tolerance);
+  times_ = {.start = start_time, .now = start_time, .stop = stop_time, .tolerance = tolerance, .given = true};
 }
 
 void Instance::enter_initialization() {
   if (!times_.given) messages_.not_set_up();
+  choose_tolerance();
   phase = initializing;
   variables_.touch();
+}
+
+/// Hosts may pass on the tolerance of DefaultExperiment, which is the scene's, without being asked to: it leaves a parameter that was set.
+void Instance::choose_tolerance() {
+  const double asked = times_.tolerance, set = variables_.tolerance();
+  if (!(asked > 0) || asked == set) return;
+  const bool wins = set == scene_.tolerance || asked != scene_.tolerance;
+  if (set != scene_.tolerance) messages_.two_tolerances(set, asked, wins);
+  if (wins) variables_.set_tolerance(asked);
 }
 
 void Instance::exit_initialization() {

@@ -19,7 +19,7 @@ class Instance {
 
   /// Returns the instance to the state right after instantiation.
   void reset();
-  void setup_experiment(double start_time, double tolerance, double stop_time);  ///< tolerance <= 0, stop_time infinite: not given
+  void setup_experiment(double start_time, double tolerance, double stop_time);  ///< tolerance 0, stop_time infinite: not given
   void enter_initialization();
   void exit_initialization();
   fmi2Status do_step(double time, double step);
@@ -51,6 +51,7 @@ class Instance {
   Whole whole() const;
   const ErrorEstimate* estimate() const { return error_estimate_ ? &*error_estimate_ : nullptr; }
   void apply_values();
+  void choose_tolerance();
   void ensure_initial_state();
 
   SceneFile scene_;

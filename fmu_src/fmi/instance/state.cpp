@@ -27,7 +27,7 @@ struct Place {
 template <class Archive>
 void pass(Archive& archive, Place& place) {
   for (Count* value : {&place.phase, &place.changed, &place.material_changed, &place.rated}) archive.integer(*value);
-  for (double* value : {&place.times.start, &place.times.now, &place.times.stop}) archive.number(*value);
+  for (double* value : {&place.times.start, &place.times.now, &place.times.stop, &place.times.tolerance}) archive.number(*value);
   archive.choice(place.times.given, true);
 }
 
@@ -80,7 +80,7 @@ bool sound(const Place& place) {
       phase == instantiated || phase == initializing || phase == stepping || phase == step_failed || phase == terminated || phase == failed;
   const auto flag = [](Count value) { return value == 0 || value == 1; };
   return known && flag(place.changed) && flag(place.material_changed) && flag(place.rated) && std::isfinite(place.times.now) &&
-         std::isfinite(place.times.start);
+         std::isfinite(place.times.start) && std::isfinite(place.times.tolerance) && place.times.tolerance >= 0;
 }
 
 bool sound(const Variables::LastStep& last) { return std::isfinite(last.length) && last.length >= 0; }

@@ -171,6 +171,12 @@ void Messages::not_set_up() {
   });
 }
 
+void Messages::two_tolerances(double set, double asked, bool asked_wins) {
+  logger_.log(fmi2Warning, log_warning,
+              "solver.tolerance was set to " + number(set) + ", and the host gave the run the tolerance " + number(asked) +
+                  (asked_wins ? "" : ", that of DefaultExperiment") + ": " + number(asked_wins ? asked : set) + " is used");
+}
+
 void Messages::begun(const SoftBody& body, double time) {
   report_threads();
   warn_of_folding(body, time);

@@ -14,6 +14,8 @@ class Messages {
   void reset() { reported_ = {}; }
   /// Reports that fmi2SetupExperiment was not called.
   void not_set_up();
+  /// Reports that the parameter solver.tolerance was set and the host gave another tolerance, and which of them is used.
+  void two_tolerances(double set, double asked, bool asked_wins);
   /// Reports on the initial state at this time [s].
   void begun(const SoftBody& body, double time);
   /// Reports on a communication step of this length [s], which has just ended at this time [s].

@@ -156,6 +156,8 @@ void Variables::restore(Values values, LastStep last) {
   forget_seen();
 }
 
+double Variables::tolerance() const { return values_.numbers[row_of(Family::solver_tolerance)][0]; }
+
 void Variables::set_tolerance(double tolerance) {
   values_.numbers[row_of(Family::solver_tolerance)] = {tolerance};
   values_.changed = true;

@@ -55,6 +55,7 @@ class Variables {
   /// Reads the outputs before a communication step; `end_step` makes them those at the start of the step, which has this length [s].
   void begin_step(SoftBody& body, const ErrorEstimate* estimate);
   void end_step(double length);
+  double tolerance() const;
   void set_tolerance(double tolerance);  ///< > 0
 
   /// A variable of FMI 3.0: the value references of its elements. The first one is the value reference of the array.
