@@ -8,6 +8,9 @@ namespace softffd::fmi {
 /// States of the FMI 2.0 co-simulation state machine, as bits for masks.
 enum Phase : unsigned { instantiated = 1, initializing = 2, stepping = 4, step_failed = 8, terminated = 16, failed = 32 };
 
+/// The standard whose words messages use.
+enum class Standard { fmi2, fmi3 };
+
 /// Thrown if a call of the host is wrong or cannot be carried out; what() is the message for the log.
 struct CallError : std::runtime_error {
   using std::runtime_error::runtime_error;

@@ -214,8 +214,9 @@ def test_a_folder_without_a_separator_calls_about_no_variables_and_an_unknown_lo
     for name in (*OTHER_TYPES, "GetFloat64", "SetFloat64", "GetInt64", "SetInt64"):
         host.must(name, None, 0, None, 0)
     assert not host.messages
-    assert host("SetDebugLogging", True, 2, (c_char_p * 2)(b"solver", b"weather")) == WARNING
-    assert b"passed over weather" in host.messages[-1][-1]
+    assert host("SetDebugLogging", True, 3, (c_char_p * 3)(b"solver", b"weather", b"logStatusPending")) == WARNING
+    wanted, passed_over = host.messages[-1][-1].split(b"wanted categories of ")[1].split(b"; passed over ")
+    assert set(wanted.split(b", ")) == rich.categories and passed_over == b"weather, logStatusPending"
     host.free()
 
 

@@ -62,14 +62,11 @@ EITHER = [
     *[((FRESH,), f"startTime: wanted a finite number, got {t}", lambda h, t=t: h.enter(start=t)) for t in (NAN, INF)],
     *[((FRESH,), f"tolerance: wanted a finite number > 0, got {t:g}", lambda h, t=t: h.enter(tolerance=t)) for t in (NAN, -1.0, 0.0, INF)],
     *[((FRESH,), f"above startTime, got {t:g}", lambda h, t=t: h.enter(start=1.0, stop=t)) for t in (NAN, 1.0, 0.5, INF)],
-    (SETTABLE, "mass: is of type Real, got a call for Integer", lambda h: h.set_integer("mass", 1)),
-    (SETTABLE, "solver.method: is of type Integer, got a call for Real", lambda h: h.put_by_name({"solver.method": 1.0})),
     (SETTABLE, "damping: wanted a finite number, got nan", lambda h: mixed(h, "damping", NAN)),
     (SETTABLE, "damping: wanted >= 0 N.s/m, got -1", lambda h: mixed(h, "damping", -1.0)),
     (SETTABLE, "energy.kinetic: cannot be set", lambda h: mixed(h, "energy.kinetic", 1.0)),
     (UNSET, "mass: wanted > 0 kg, got 0", lambda h: mixed(h, "mass", 0.0)),
     ((RUNNING,), "mass: cannot be set after initialization", lambda h: mixed(h, "mass", 2.0)),
-    ((RUNNING,), "plane.wall.point.x: cannot be set", lambda h: mixed(h, "plane.wall.point.x", 2.0)),
     *[(UNSET, "method: wanted one of 1 auto, 2 central_difference, ", lambda h, n=n: h.set_integer("solver.method", n)) for n in (10, 99)],
     (DONE, "damping: is no output", lambda h: h.ask_slope("damping")),
     *[(DONE, f"energy.work: wanted a derivative of order 1, got {n}", lambda h, n=n: h.ask_slope("energy.work", n)) for n in (-1, 0, 2)],
@@ -106,6 +103,9 @@ def asked(host: Host, name: str, function: str, kind=doubles) -> int:
 
 
 OF_FMI2 = [
+    (SETTABLE, "mass: is of type Real, got a call for Integer", lambda h: h.set_integer("mass", 1)),
+    (SETTABLE, "solver.method: is of type Integer, got a call for Real", lambda h: h.put_by_name({"solver.method": 1.0})),
+    ((RUNNING,), "plane.wall.point.x: cannot be set", lambda h: mixed(h, "plane.wall.point.x", 2.0)),
     ((INITIALIZING, *DONE, FAILED), "fmi2SetupExperiment: not allowed", lambda h: h("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)),
     ((INITIALIZING, *DONE, FAILED), "fmi2EnterInitializationMode: not allowed", lambda h: h("EnterInitializationMode")),
     ((FRESH,), "fmi2GetReal: not allowed", lambda h: asked(h, "mass", "GetReal")),
@@ -175,8 +175,12 @@ def blanks(kinds) -> list:
 
 SIZE = "nValues: wanted {}, one for each element of the variables, got {}".format
 OF_FMI3 = [
+    (SETTABLE, "mass: is of type Float64, got a call for Int64", lambda h: h.set_integer("mass", 1)),
+    (SETTABLE, "solver.method: is of type Int64, got a call for Float64", lambda h: h.put_by_name({"solver.method": 1.0})),
+    ((RUNNING,), "element 1 of plane.wall.point: cannot be set", lambda h: mixed(h, "plane.wall.point.x", 2.0)),
+    (SETTABLE, "element 2 of gravity: wanted a finite number, got nan", lambda h: h.put_by_name({"gravity.y": NAN})),
     ((INITIALIZING, *DONE, FAILED), "fmi3EnterInitializationMode: not allowed", lambda h: h.enter()),
-    ((FRESH,), "position[0,0,0].x: has no value yet", lambda h: h("GetFloat64", *one(POSITION), reals(81), 81)),
+    ((FRESH,), "element 1 of position: has no value yet", lambda h: h("GetFloat64", *one(POSITION), reals(81), 81)),
     (PHASES, "fmi3GetFloat64: got a null", lambda h: h("GetFloat64", None, 1, reals(), 1)),
     (PHASES, "fmi3GetFloat64: got a null", lambda h: h("GetFloat64", *one(STIFFNESS), None, 1)),
     (SETTABLE, "fmi3SetFloat64: got a null", lambda h: h("SetFloat64", *one(STIFFNESS), None, 1)),
@@ -188,8 +192,8 @@ OF_FMI3 = [
     (SETTABLE, SIZE(3, 4), lambda h: h("SetFloat64", *h.references(["gravity"]), reals(4), 4)),
     (SETTABLE, SIZE(1, 2), lambda h: h("SetInt64", *h.references(["solver.method"]), counts(2), 2)),
     (SETTABLE, "time: cannot be set", lambda h: h("SetFloat64", *one(0), reals(), 1)),
-    (PHASES, "time: is of type Real", lambda h: h("GetInt64", *one(0), counts(), 1)),
-    (PHASES, "solver.method: is of type Integer", lambda h: h("GetFloat64", *h.references(["solver.method"]), reals(), 1)),
+    (PHASES, "time: is of type Float64, got a call for Int64", lambda h: h("GetInt64", *one(0), counts(), 1)),
+    (PHASES, "solver.method: is of type Int64", lambda h: h("GetFloat64", *h.references(["solver.method"]), reals(), 1)),
     (UNSET, "solver.method: wanted one of 1", lambda h: h.set_integer("solver.method", 2**62)),
     (DONE, "wanted a derivative of order 1, got 2", lambda h: h.ask_slope("position", 2)),
     (DONE, "time: is no output", lambda h: h.ask_slope("time")),

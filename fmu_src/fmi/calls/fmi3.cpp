@@ -25,7 +25,9 @@ Logger logger_of(fmi3InstanceEnvironment environment, fmi3LogMessageCallback cal
     host = [=](fmi2Status status, const char* category, const char* message) {
       callback(environment, fmi3Status(status), category, message);
     };
-  return {std::move(host), "#", logging_on};
+  std::vector<std::string_view> declared(std::begin(log_categories), std::end(log_categories));
+  std::erase(declared, log_pending);  // FMI 3.0 has no steps that are pending
+  return {std::move(host), "#", std::move(declared), logging_on};
 }
 
 struct Modes {

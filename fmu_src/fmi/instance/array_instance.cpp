@@ -2,7 +2,7 @@
 
 namespace softffd::fmi {
 
-ArrayInstance::ArrayInstance(SceneFile scene, Logger log) : Instance(std::move(scene), std::move(log)) {
+ArrayInstance::ArrayInstance(SceneFile scene, Logger log) : Instance(std::move(scene), std::move(log), Standard::fmi3) {
   for (Array& array : arrays()) {
     const fmi3ValueReference own = array.elements.front();
     arrays_.emplace(own, std::move(array));
@@ -40,7 +40,7 @@ void ArrayInstance::get_arrays(Type type, const Call& call, double* values) {
     if (phase == instantiated && array(call.references[n]).output)
       throw CallError(name(own.front()) + ": has no value yet; wanted initialization mode, or an input or a parameter");
     if (call.references[n] != time) return get(type, own.data(), own.size(), values + at);
-    if (type != Type::Real) throw CallError("time: is of type Real, got a call for Integer");
+    if (type != Type::Real) throw CallError("time: is of type Float64, got a call for Int64");
     values[at] = last_successful_time();
   });
 }

@@ -15,11 +15,11 @@ SceneFile with_team(SceneFile scene) {
 
 }  // namespace
 
-Instance::Instance(SceneFile scene, Logger log)
+Instance::Instance(SceneFile scene, Logger log, Standard standard)
     : logger(std::move(log)),
       scene_(with_team(std::move(scene))),
       body_(scene_.definition),
-      variables_(scene_, body_.settings),
+      variables_(scene_, body_.settings, standard),
       messages_(scene_, logger) {
   if (scene_.error_estimate) error_estimate_.emplace(scene_.definition);
   reset();

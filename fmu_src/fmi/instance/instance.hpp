@@ -10,7 +10,7 @@ struct Whole;  ///< all data of a state (state.cpp)
 
 class Instance {
  public:
-  Instance(SceneFile scene, Logger logger);
+  Instance(SceneFile scene, Logger logger, Standard standard = Standard::fmi2);
   Instance(const Instance&) = delete;  // its parts refer to each other
   Instance& operator=(const Instance&) = delete;
 

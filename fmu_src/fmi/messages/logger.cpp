@@ -36,15 +36,16 @@ Logger::Host host_of(const fmi2CallbackFunctions& callbacks, std::string instanc
 
 }  // namespace
 
-Logger::Logger(Host host, std::string_view doubled, bool logging_on)
-    : host_(std::move(host)), doubled_(doubled), enabled_(std::size(log_categories), logging_on) {}
+Logger::Logger(Host host, std::string_view doubled, std::vector<std::string_view> categories, bool logging_on)
+    : host_(std::move(host)), doubled_(doubled), declared_(std::move(categories)), enabled_(std::size(log_categories), logging_on) {}
 
 Logger::Logger(const fmi2CallbackFunctions& callbacks, std::string instance_name, bool logging_on)
-    : Logger(host_of(callbacks, std::move(instance_name)), "%#", logging_on) {}
+    : Logger(host_of(callbacks, std::move(instance_name)), "%#", {std::begin(log_categories), std::end(log_categories)}, logging_on) {}
 
 std::vector<std::string> Logger::switch_categories(bool on, const std::vector<std::string>& names) {
   std::vector<std::string> unknown;
-  std::copy_if(names.begin(), names.end(), std::back_inserter(unknown), [](const auto& name) { return category_index(name) < 0; });
+  std::copy_if(names.begin(), names.end(), std::back_inserter(unknown),
+               [&](const auto& name) { return std::ranges::find(declared_, name) == declared_.end(); });
   const auto named = [&](std::string_view name) { return std::find(names.begin(), names.end(), name) != names.end(); };
   const bool all = names.empty() || named(log_all);
   for (std::size_t i = 0; i < enabled_.size(); ++i)

@@ -18,11 +18,12 @@ class Logger {
  public:
   /// The host's callback, in a form that does not depend on the standard; may be empty.
   using Host = std::function<void(fmi2Status status, const char* category, const char* message)>;
-  /// doubled: the characters to be doubled.
-  Logger(Host host, std::string_view doubled, bool logging_on);
+  /// doubled: the characters to be doubled. categories: those that modelDescription.xml declares.
+  Logger(Host host, std::string_view doubled, std::vector<std::string_view> categories, bool logging_on);
   /// Creates the logger of a host of FMI 2.0.
   Logger(const fmi2CallbackFunctions& callbacks, std::string instance_name, bool logging_on);
 
+  const std::vector<std::string_view>& declared() const { return declared_; }
   /// Switches the named categories on or off, or all if there are no names or logAll is among them. Returns the undeclared names.
   std::vector<std::string> switch_categories(bool on, const std::vector<std::string>& names);
 
@@ -40,6 +41,7 @@ class Logger {
 
   Host host_;
   std::string_view doubled_;
+  std::vector<std::string_view> declared_;
   std::vector<bool> enabled_;
 };
 

@@ -16,8 +16,6 @@ unsigned settable_in(const FamilyInfo& info) {
   return instantiated | initializing | (any_time ? stepping : 0u);
 }
 
-const char* type_name(Type type) { return type == Type::Real ? "Real" : "Integer"; }
-
 std::string shortest(double value) {
   std::array<char, 32> text;
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
@@ -25,6 +23,11 @@ std::string shortest(double value) {
 }
 
 }  // namespace
+
+const char* Variables::type_name(Type type) const {
+  if (standard_ == Standard::fmi3) return type == Type::Real ? "Float64" : "Int64";
+  return type == Type::Real ? "Real" : "Integer";
+}
 
 Variables::Variable Variables::checked(fmi2ValueReference reference, Type type) const {
   const auto variable = find(reference);

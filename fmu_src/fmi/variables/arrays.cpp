@@ -75,4 +75,12 @@ std::vector<Variables::Array> Variables::arrays() const {
   return found;
 }
 
+std::size_t Variables::element_number(fmi2ValueReference reference) const {
+  for (const Array& array : arrays()) {
+    const auto found = std::ranges::find(array.elements, reference);
+    if (found != array.elements.end()) return array.elements.size() > 1 ? std::size_t(found - array.elements.begin()) + 1 : 0;
+  }
+  return 0;
+}
+
 }  // namespace softffd::fmi

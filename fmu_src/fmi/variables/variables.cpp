@@ -61,7 +61,7 @@ Vec3 vector(const Variables::Table& table, Family family, std::size_t instance) 
 
 }  // namespace
 
-Variables::Variables(const SceneFile& scene, Settings& settings) : scene_(scene) {
+Variables::Variables(const SceneFile& scene, Settings& settings, Standard standard) : scene_(scene), standard_(standard) {
   for (const PinMotion& pin : settings.pins) pin_origins_.push_back(pin.position);
   set_starts(scene, settings);
   for (std::size_t row = 0; row < family_count; ++row) {
@@ -133,6 +133,8 @@ std::string Variables::name(fmi2ValueReference reference) const {
   const PartBinding& part = binding_of(info.part);
   const int own = member(*variable);
   std::string text(info.name);
+  const std::size_t element = standard_ == Standard::fmi3 ? element_number(reference) : 0;
+  if (element > 0) text.resize(std::min(text.find("[{i}"), text.find(".{c}")));
   if (part.of_points) {
     const auto& counts = scene_.definition.lattice.counts;
     replace(text, "{i}", std::to_string(own % counts[0]));
@@ -147,7 +149,8 @@ std::string Variables::name(fmi2ValueReference reference) const {
   if (part.name)
     for (const char* placeholder : {"{name}", "{obstacle}", "{body}"}) replace(text, placeholder, part.name(scene_, own));
   if (!info.components.empty()) replace(text, "{c}", std::string(1, info.components[variable->component()]));
-  return scene_.flat_names ? flat(std::move(text)) : text;
+  if (scene_.flat_names) text = flat(std::move(text));
+  return element > 0 ? "element " + std::to_string(element) + " of " + text : text;
 }
 
 void Variables::restore(Values values, LastStep last) {

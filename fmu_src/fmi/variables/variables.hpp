@@ -38,7 +38,7 @@ class Variables {
   };
 
   /// Puts the start values of the scene into the settings. The scene must outlive the object.
-  Variables(const SceneFile& scene, Settings& settings);
+  Variables(const SceneFile& scene, Settings& settings, Standard standard = Standard::fmi2);
   /// Resets all variables to their start values.
   void reset();
 
@@ -66,7 +66,8 @@ class Variables {
   /// Returns all arrays (arrays.cpp).
   std::vector<Array> arrays() const;
 
-  /// Returns the name of a variable as in modelDescription.xml, or "value reference" and the number if there is no such variable.
+  /// Returns the name of a variable as in modelDescription.xml, in FMI 3.0 with the number of the element if it is an array; "value
+  /// reference" and the number if there is no such variable.
   std::string name(fmi2ValueReference reference) const;
 
   /// True if values have been set that the settings do not contain yet.
@@ -106,6 +107,7 @@ class Variables {
   std::optional<Variable> find(fmi2ValueReference reference) const;
   /// Returns the variables. Throws CallError if a reference is not that of a variable of this type.
   const Meant& meant(Meant& last, Type type, const fmi2ValueReference* references, std::size_t count);
+  const char* type_name(Type type) const;
   Variable checked(fmi2ValueReference reference, Type type) const;
   void check_settable(Phase phase, fmi2ValueReference reference, const FamilyInfo& info, double value) const;
   int member(const Variable& variable) const { return members(variable.info().part)[variable.instance()]; }
@@ -114,6 +116,8 @@ class Variables {
   int count(std::size_t row) const;
   Variable variable(std::size_t row, int index) const { return {row, index, families[row].pose.empty() ? index : chosen_[row][index]}; }
   std::vector<fmi2ValueReference> of_points(std::size_t row) const;
+  /// Returns the number of an element in its array, from 1 and row by row; 0: it is a variable by itself.
+  std::size_t element_number(fmi2ValueReference reference) const;
   bool together(const Variable& one, const Variable& other) const;
   template <class Motions>
   void follow_pose(Family pose, Motions& moved) const;
@@ -127,6 +131,7 @@ class Variables {
   static int highest_order_of(Family family);
 
   const SceneFile& scene_;
+  Standard standard_;
   std::array<std::vector<int>, family_count> members_;  ///< by part, as there are no more parts than families
   std::array<std::vector<int>, family_count> chosen_;   ///< by row, for poses: the places that belong to the family
   std::vector<Embedding> probes_;
