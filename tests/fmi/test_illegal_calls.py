@@ -73,8 +73,8 @@ EITHER = [
     *[((RUNNING,), "fmi2DoStep: currentCommunicationPoint", lambda h, t=t: h("DoStep", t, STEP, 1)) for t in (0.0, 0.02, NAN, INF, -INF)],
     *[((RUNNING,), "fmi2DoStep: communicationStepSize", lambda h, s=s: h("DoStep", STEP, s, 1)) for s in (0.0, -STEP, NAN, INF, -0.0)],
     ((RUNNING,), "fmi2DoStep: a step to 10.01 s goes past the stop time 10 s", lambda h: h("DoStep", STEP, 10.0, 1)),
-    (PHASES, "fmi2SetDebugLogging: got a null", lambda h: h("SetDebugLogging", 1, 2, None)),
-    (PHASES, "fmi2GetFMUstate: got a null", lambda h: h("GetFMUstate", None)),
+    (PHASES, "fmi2SetDebugLogging: categories: wanted an array of 2, got null", lambda h: h("SetDebugLogging", 1, 2, None)),
+    (PHASES, "fmi2GetFMUstate: FMU", lambda h: h("GetFMUstate", None)),
     (PHASES, "fmi2GetFMUstate: FMUstate: wanted a state", lambda h: h("GetFMUstate", byref(c_void_p(64)))),
     (PHASES, "fmi2SetFMUstate: FMUstate: wanted a state", lambda h: h("SetFMUstate", None)),
     (PHASES, "fmi2SetFMUstate: FMUstate: wanted a state", lambda h: h("SetFMUstate", h.component)),
@@ -82,8 +82,12 @@ EITHER = [
     (PHASES, "fmi2SerializedFMUstateSize: FMUstate: wanted a state", lambda h: h("SerializedFMUstateSize", None, byref(c_size_t()))),
     (PHASES, "fmi2SerializeFMUstate: FMUstate: wanted a state", lambda h: h("SerializeFMUstate", None, None, 0)),
     (PHASES, "fmi2SerializeFMUstate: size: wanted", too_small),
-    (PHASES, "fmi2DeSerializeFMUstate: got a null", lambda h: h("DeSerializeFMUstate", None, 8, byref(c_void_p()))),
-    (PHASES, "fmi2DeSerializeFMUstate: got a null", lambda h: h("DeSerializeFMUstate", b"12345678", 8, None)),
+    (
+        PHASES,
+        "fmi2DeSerializeFMUstate: serializedState: wanted an array of 8, got null",
+        lambda h: h("DeSerializeFMUstate", None, 8, byref(c_void_p())),
+    ),
+    (PHASES, "fmi2DeSerializeFMUstate: FMU", lambda h: h("DeSerializeFMUstate", b"12345678", 8, None)),
     (PHASES, "fmi2DeSerializeFMUstate: the state is too short", lambda h: h("DeSerializeFMUstate", b"12345678", 8, byref(c_void_p()))),
     (PHASES, "fmi2DeSerializeFMUstate: the state is damaged", damaged),
 ]
@@ -114,18 +118,18 @@ OF_FMI2 = [
     ((FAILED,), "fmi2CancelStep: not allowed", lambda h: h("CancelStep")),
     (UNSET, "fmi2GetRealStatus: not allowed", lambda h: h("GetRealStatus", 2, doubles([0]))),
     (UNSET, "fmi2GetStatus: not allowed", lambda h: h("GetStatus", 0, ints([0]))),
-    (DONE, "fmi2GetRealStatus: got a null", lambda h: h("GetRealStatus", 2, None)),
-    (DONE, "fmi2GetBooleanStatus: got a null", lambda h: h("GetBooleanStatus", 3, None)),
-    (ALIVE, "fmi2GetReal: got a null", lambda h: h("GetReal", None, 1, doubles([0]))),
-    (ALIVE, "fmi2GetReal: got a null", lambda h: h("GetReal", uints([STIFFNESS]), 1, None)),
-    (ALIVE, "fmi2GetInteger: got a null", lambda h: h("GetInteger", None, 1, ints([0]))),
-    (SETTABLE, "fmi2SetReal: got a null", lambda h: h("SetReal", None, 1, doubles([0]))),
-    (SETTABLE, "fmi2SetReal: got a null", lambda h: h("SetReal", uints([STIFFNESS]), 3, None)),
-    (SETTABLE, "fmi2SetInteger: got a null", lambda h: h("SetInteger", uints([METHOD]), 1, None)),
-    (SETTABLE, "fmi2SetRealInputDerivatives: got a null", lambda h: h("SetRealInputDerivatives", uints([2 << 24]), 1, None, doubles([0]))),
+    (DONE, "fmi2GetRealStatus: value: wanted a pointer, got null", lambda h: h("GetRealStatus", 2, None)),
+    (DONE, "fmi2GetBooleanStatus: value: wanted a pointer, got null", lambda h: h("GetBooleanStatus", 3, None)),
+    (ALIVE, "fmi2GetReal: vr: wanted a pointer, got null", lambda h: h("GetReal", None, 1, doubles([0]))),
+    (ALIVE, "fmi2GetReal: value: wanted a pointer, got null", lambda h: h("GetReal", uints([STIFFNESS]), 1, None)),
+    (ALIVE, "fmi2GetInteger: vr: wanted a pointer, got null", lambda h: h("GetInteger", None, 1, ints([0]))),
+    (SETTABLE, "fmi2SetReal: vr: wanted a pointer, got null", lambda h: h("SetReal", None, 1, doubles([0]))),
+    (SETTABLE, "fmi2SetReal: value: wanted an array of 3, got null", lambda h: h("SetReal", uints([STIFFNESS]), 3, None)),
+    (SETTABLE, "fmi2SetInteger: value: wanted", lambda h: h("SetInteger", uints([METHOD]), 1, None)),
+    (SETTABLE, "SetRealInputDerivatives: order: wanted", lambda h: h("SetRealInputDerivatives", uints([2 << 24]), 1, None, doubles([0]))),
     (
         (RUNNING,),
-        "fmi2GetRealOutputDerivatives: got a null",
+        "fmi2GetRealOutputDerivatives: value: wanted",
         lambda h: h("GetRealOutputDerivatives", uints([POSITION]), 1, ints([1]), None),
     ),
     (ALIVE, "value reference 0: this scene has no such", call("GetReal", 0)),
@@ -163,10 +167,11 @@ def counts(count: int = 1):
     return (c_int64 * count)()
 
 
-def without_room(host: Host3, missing: int) -> int:
-    places = [byref(c_bool()), byref(c_bool()), byref(c_bool()), byref(c_double())]
-    places[missing] = None
-    return host("DoStep", STEP, STEP, True, *places)
+RESULTS = {"eventHandlingNeeded": c_bool, "terminateSimulation": c_bool, "earlyReturn": c_bool, "lastSuccessfulTime": c_double}
+
+
+def without_room(host: Host3, missing: str) -> int:
+    return host("DoStep", STEP, STEP, True, *(None if name == missing else byref(kind()) for name, kind in RESULTS.items()))
 
 
 def blanks(kinds) -> list:
@@ -181,10 +186,10 @@ OF_FMI3 = [
     (SETTABLE, "element 2 of gravity: wanted a finite number, got nan", lambda h: h.put_by_name({"gravity.y": NAN})),
     ((INITIALIZING, *DONE, FAILED), "fmi3EnterInitializationMode: not allowed", lambda h: h.enter()),
     ((FRESH,), "element 1 of position: has no value yet", lambda h: h("GetFloat64", *one(POSITION), reals(81), 81)),
-    (PHASES, "fmi3GetFloat64: got a null", lambda h: h("GetFloat64", None, 1, reals(), 1)),
-    (PHASES, "fmi3GetFloat64: got a null", lambda h: h("GetFloat64", *one(STIFFNESS), None, 1)),
-    (SETTABLE, "fmi3SetFloat64: got a null", lambda h: h("SetFloat64", *one(STIFFNESS), None, 1)),
-    (PHASES, "fmi3GetInt64: got a null", lambda h: h("GetInt64", *one(METHOD), None, 1)),
+    (PHASES, "fmi3GetFloat64: valueReferences: wanted a pointer, got null", lambda h: h("GetFloat64", None, 1, reals(), 1)),
+    (PHASES, "fmi3GetFloat64: values: wanted", lambda h: h("GetFloat64", *one(STIFFNESS), None, 1)),
+    (SETTABLE, "fmi3SetFloat64: values: wanted", lambda h: h("SetFloat64", *one(STIFFNESS), None, 1)),
+    (PHASES, "fmi3GetInt64: values: wanted", lambda h: h("GetInt64", *one(METHOD), None, 1)),
     (PHASES, "value reference 7: this scene has no such variable", lambda h: h("GetFloat64", *one(7), reals(), 1)),
     (PHASES, f"value reference {POSITION + 1}: this", lambda h: h("GetFloat64", *one(POSITION + 1), reals(), 1)),
     (PHASES, "value reference 4294967295", lambda h: h("GetInt64", *one(4294967295), counts(), 1)),
@@ -197,7 +202,7 @@ OF_FMI3 = [
     (UNSET, "solver.method: wanted one of 1", lambda h: h.set_integer("solver.method", 2**62)),
     (DONE, "wanted a derivative of order 1, got 2", lambda h: h.ask_slope("position", 2)),
     (DONE, "time: is no output", lambda h: h.ask_slope("time")),
-    *[((RUNNING,), "fmi3DoStep: got a null", lambda h, n=n: without_room(h, n)) for n in range(4)],
+    *[((RUNNING,), f"fmi3DoStep: {n}: wanted a pointer, got null", lambda h, n=n: without_room(h, n)) for n in RESULTS],
     *[
         (SETTABLE if n.startswith("Set") else PHASES, f"fmi3{n}: there are no variables", lambda h, name=n: h(name, *one(0), None, 1))
         for n in OTHER_TYPES
@@ -317,5 +322,5 @@ def test_a_zero_normal_is_refused_by_the_step(rich_of_each):
     host = rich_of_each.host()
     host.begin()
     assert host.set({"plane.ground.normal.y": 0.0, "plane.ground.normal.z": 0.0}) == 0
-    require_refusal(host, "normal is the zero vector", lambda h: h.step(0))
+    require_refusal(host, "plane.ground: the normal is the zero vector; wanted any other vector", lambda h: h.step(0))
     host.free()

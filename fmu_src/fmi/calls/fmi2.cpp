@@ -23,9 +23,7 @@ namespace {
 SceneFile scene_of(fmi2Type type, const char* resources, const Asked& asked) {
   if (type != fmi2CoSimulation) throw CallError("fmuType: wanted fmi2CoSimulation; model exchange is not available");
   if (!resources || !*resources) throw CallError("fmuResourceLocation: wanted the URI of the resources folder, got nothing");
-  const auto folder = path_from_uri(resources);
-  if (!folder) throw CallError(std::string("fmuResourceLocation: wanted a file: URI, got ") + resources);
-  return scene_in(*folder, asked);
+  return scene_in(path_from_uri(resources), asked);
 }
 
 }  // namespace
@@ -52,7 +50,7 @@ void fmi2FreeInstance(fmi2Component component) {
 }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t count, const fmi2String categories[]) {
-  return guarded(component, function::set_debug_logging, {{categories}, count}, [&](Instance& instance) {
+  return guarded(component, function::set_debug_logging, {{{"categories", categories}}, count}, [&](Instance& instance) {
     return switch_logging(instance, function::set_debug_logging, on != fmi2False, count, categories);
   });
 }
@@ -100,7 +98,7 @@ fmi2Status fmi2GetStatus(fmi2Component component, const fmi2StatusKind, fmi2Stat
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Real* value) {
-  return guarded(component, function::get_real_status, {{value}}, [&](Instance& instance) {
+  return guarded(component, function::get_real_status, {{{"value", value}}}, [&](Instance& instance) {
     if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
     *value = instance.last_successful_time();
     return fmi2OK;
@@ -112,7 +110,7 @@ fmi2Status fmi2GetIntegerStatus(fmi2Component component, const fmi2StatusKind, f
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean* value) {
-  return guarded(component, function::get_boolean_status, {{value}}, [&](Instance&) {
+  return guarded(component, function::get_boolean_status, {{{"value", value}}}, [&](Instance&) {
     if (kind != fmi2Terminated) return fmi2Discard;
     *value = fmi2False;  // the component never requests the end of the simulation
     return fmi2OK;

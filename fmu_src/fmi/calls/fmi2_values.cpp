@@ -23,17 +23,17 @@ fmi2Status no_variables(fmi2Component component, const Function& function, const
 extern "C" {
 
 fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference references[], size_t count, fmi2Real values[]) {
-  return guarded(component, function::get_real, {{references, values}, count},
+  return guarded(component, function::get_real, {{{"vr", references}, {"value", values}}, count},
                  [&](Instance& instance) { instance.get(Type::Real, references, count, values); });
 }
 
 fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t count, const fmi2Real values[]) {
-  return guarded(component, function::set_real, {{references, values}, count},
+  return guarded(component, function::set_real, {{{"vr", references}, {"value", values}}, count},
                  [&](Instance& instance) { instance.set(Type::Real, references, count, values); });
 }
 
 fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference references[], size_t count, fmi2Integer values[]) {
-  return guarded(component, function::get_integer, {{references, values}, count}, [&](Instance& instance) {
+  return guarded(component, function::get_integer, {{{"vr", references}, {"value", values}}, count}, [&](Instance& instance) {
     constexpr double most = std::numeric_limits<fmi2Integer>::max();
     for (std::size_t i = 0; i < count; ++i) {
       double number = 0;
@@ -44,7 +44,7 @@ fmi2Status fmi2GetInteger(fmi2Component component, const fmi2ValueReference refe
 }
 
 fmi2Status fmi2SetInteger(fmi2Component component, const fmi2ValueReference references[], size_t count, const fmi2Integer values[]) {
-  return guarded(component, function::set_integer, {{references, values}, count}, [&](Instance& instance) {
+  return guarded(component, function::set_integer, {{{"vr", references}, {"value", values}}, count}, [&](Instance& instance) {
     const std::vector<double> numbers(values, values + count);
     instance.set(Type::Integer, references, count, numbers.data());
   });
@@ -74,13 +74,13 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component component, const fmi2Value
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                        const fmi2Integer orders[], const fmi2Real values[]) {
-  return guarded(component, function::set_input_derivatives, {{references, orders, values}, count},
+  return guarded(component, function::set_input_derivatives, {{{"vr", references}, {"order", orders}, {"value", values}}, count},
                  [&](Instance& instance) { instance.set_input_derivatives(references, count, orders, values); });
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                         const fmi2Integer orders[], fmi2Real values[]) {
-  return guarded(component, function::get_output_derivatives, {{references, orders, values}, count},
+  return guarded(component, function::get_output_derivatives, {{{"vr", references}, {"order", orders}, {"value", values}}, count},
                  [&](Instance& instance) { instance.get_output_derivatives(references, count, orders, values); });
 }
 

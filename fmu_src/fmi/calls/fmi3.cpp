@@ -41,6 +41,8 @@ SceneFile scene_of(const Modes& modes, const char* resources, const Asked& asked
     throw CallError("nRequiredIntermediateVariables: wanted 0, got " + std::to_string(modes.intermediate_variables) +
                     "; modelDescription.xml claims no intermediate update");
   if (!resources || !*resources) throw CallError("resourcePath: wanted the path of the resources folder, got nothing");
+  if (std::string_view(resources).starts_with("file:"))
+    throw CallError(std::string("resourcePath: wanted a path, without file:, got the URI ") + resources);
   return scene_in(resources, asked);
 }
 
@@ -67,7 +69,7 @@ void fmi3FreeInstance(fmi3Instance instance) {
 }
 
 fmi3Status fmi3SetDebugLogging(fmi3Instance handle, fmi3Boolean on, size_t count, const fmi3String categories[]) {
-  return guarded3(handle, function3::set_debug_logging, {{categories}, count},
+  return guarded3(handle, function3::set_debug_logging, {{{"categories", categories}}, count},
                   [&](Instance& instance) { return switch_logging(instance, function3::set_debug_logging, on, count, categories); });
 }
 
@@ -94,7 +96,10 @@ fmi3Status fmi3Reset(fmi3Instance handle) {
 
 fmi3Status fmi3DoStep(fmi3Instance handle, fmi3Float64 time, fmi3Float64 step, fmi3Boolean, fmi3Boolean* event_handling_needed,
                       fmi3Boolean* terminate_simulation, fmi3Boolean* early_return, fmi3Float64* last_successful_time) {
-  const Arrays results{{event_handling_needed, terminate_simulation, early_return, last_successful_time}};
+  const Arrays results{{{"eventHandlingNeeded", event_handling_needed},
+                        {"terminateSimulation", terminate_simulation},
+                        {"earlyReturn", early_return},
+                        {"lastSuccessfulTime", last_successful_time}}};
   return guarded3(handle, function3::do_step, results, [&](Instance& instance) {
     *event_handling_needed = *terminate_simulation = *early_return = fmi3False;
     *last_successful_time = instance.last_successful_time();

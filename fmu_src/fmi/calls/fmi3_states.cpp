@@ -11,7 +11,7 @@ using namespace softffd::fmi;
 extern "C" {
 
 fmi3Status fmi3GetFMUState(fmi3Instance handle, fmi3FMUState* state) {
-  return guarded3(handle, function3::get_state, {{state}}, [&](Instance& instance) { get_state(instance, state); });
+  return guarded3(handle, function3::get_state, {{{"FMUState", state}}}, [&](Instance& instance) { get_state(instance, state); });
 }
 
 fmi3Status fmi3SetFMUState(fmi3Instance handle, fmi3FMUState state) {
@@ -23,17 +23,17 @@ fmi3Status fmi3FreeFMUState(fmi3Instance handle, fmi3FMUState* state) {
 }
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance handle, fmi3FMUState state, size_t* size) {
-  return guarded3(handle, function3::state_size, {{size}}, [&](Instance&) { *size = serialized_size(state); });
+  return guarded3(handle, function3::state_size, {{{"size", size}}}, [&](Instance&) { *size = serialized_size(state); });
 }
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance handle, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
-  return guarded3(handle, function3::serialize, {{bytes}, size},
+  return guarded3(handle, function3::serialize, {{{"serializedState", bytes}}, size},
                   [&](Instance&) { named(function3::serialize, [&] { serialize(state, bytes, size); }); });
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance handle, const fmi3Byte bytes[], size_t size, fmi3FMUState* state) {
-  return guarded3(handle, function3::deserialize, {{bytes}, size}, [&](Instance& instance) {
-    check_arrays(function3::deserialize, {{state}});
+  return guarded3(handle, function3::deserialize, {{{"serializedState", bytes}}, size}, [&](Instance& instance) {
+    check_arrays(function3::deserialize, {{{"FMUState", state}}});
     deserialize(instance, bytes, size, state);
   });
 }

@@ -23,38 +23,41 @@ extern "C" {
 
 fmi3Status fmi3GetFloat64(fmi3Instance handle, const fmi3ValueReference references[], size_t count, fmi3Float64 values[], size_t room) {
   const ArrayInstance::Call call{references, count, room};
-  return guarded3(handle, function3::get_float64, {{references, values}, count},
+  return guarded3(handle, function3::get_float64, {{{"valueReferences", references}, {"values", values}}, count},
                   [&](ArrayInstance& instance) { instance.get_arrays(Type::Real, call, values); });
 }
 
 fmi3Status fmi3SetFloat64(fmi3Instance handle, const fmi3ValueReference references[], size_t count, const fmi3Float64 values[],
                           size_t given) {
   const ArrayInstance::Call call{references, count, given};
-  return guarded3(handle, function3::set_float64, {{references, values}, count},
+  return guarded3(handle, function3::set_float64, {{{"valueReferences", references}, {"values", values}}, count},
                   [&](ArrayInstance& instance) { instance.set_arrays(Type::Real, call, values); });
 }
 
 fmi3Status fmi3GetInt64(fmi3Instance handle, const fmi3ValueReference references[], size_t count, fmi3Int64 values[], size_t room) {
   const ArrayInstance::Call call{references, count, room};
-  return guarded3(handle, function3::get_int64, {{references, values}, count}, [&](ArrayInstance& instance) {
-    std::vector<double> numbers(instance.size_of(call));
-    instance.get_arrays(Type::Integer, call, numbers.data());
-    std::copy(numbers.begin(), numbers.end(), values);  // counts below 2^53
-  });
+  return guarded3(handle, function3::get_int64, {{{"valueReferences", references}, {"values", values}}, count},
+                  [&](ArrayInstance& instance) {
+                    std::vector<double> numbers(instance.size_of(call));
+                    instance.get_arrays(Type::Integer, call, numbers.data());
+                    std::copy(numbers.begin(), numbers.end(), values);  // counts below 2^53
+                  });
 }
 
 fmi3Status fmi3SetInt64(fmi3Instance handle, const fmi3ValueReference references[], size_t count, const fmi3Int64 values[], size_t given) {
   const ArrayInstance::Call call{references, count, given};
-  return guarded3(handle, function3::set_int64, {{references, values}, count}, [&](ArrayInstance& instance) {
-    const std::vector<double> numbers(values, values + instance.size_of(call));
-    instance.set_arrays(Type::Integer, call, numbers.data());
-  });
+  return guarded3(handle, function3::set_int64, {{{"valueReferences", references}, {"values", values}}, count},
+                  [&](ArrayInstance& instance) {
+                    const std::vector<double> numbers(values, values + instance.size_of(call));
+                    instance.set_arrays(Type::Integer, call, numbers.data());
+                  });
 }
 
 fmi3Status fmi3GetOutputDerivatives(fmi3Instance handle, const fmi3ValueReference references[], size_t count, const fmi3Int32 orders[],
                                     fmi3Float64 values[], size_t room) {
   const ArrayInstance::Call call{references, count, room};
-  return guarded3(handle, function3::get_output_derivatives, {{references, orders, values}, count},
+  return guarded3(handle, function3::get_output_derivatives,
+                  {{{"valueReferences", references}, {"orders", orders}, {"values", values}}, count},
                   [&](ArrayInstance& instance) { instance.get_array_derivatives(call, orders, values); });
 }
 

@@ -23,9 +23,10 @@ void check_phase(Phase phase, const Function& function) {
 }
 
 void check_arrays(const Function& function, const Arrays& arrays) {
-  for (const void* pointer : arrays.pointers)
+  for (const auto& [name, pointer] : arrays.arguments)
     if (!pointer && arrays.count > 0)
-      throw CallError(std::string(function.name) + ": got a null array for " + std::to_string(arrays.count) + " values");
+      throw CallError(std::string(function.name) + ": " + name + ": wanted " +
+                      (arrays.count > 1 ? "an array of " + std::to_string(arrays.count) : std::string("a pointer")) + ", got null");
 }
 
 fmi2Status refused(Instance& instance, const Function& function) {

@@ -28,9 +28,13 @@ inline constexpr unsigned after_steps = stepping | step_failed | terminated;
 
 }  // namespace function
 
-/// Arrays of the same length that a host passes. None may be null if `count` > 0.
+/// Arrays of the same length that a host passes, with the standard's names. None may be null if `count` > 0.
+struct Argument {
+  const char* name;
+  const void* pointer;
+};
 struct Arrays {
-  std::initializer_list<const void*> pointers{};
+  std::initializer_list<Argument> arguments{};
   std::size_t count = 1;
 };
 

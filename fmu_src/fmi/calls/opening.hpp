@@ -33,10 +33,8 @@ Held* instantiate(Registry<Held>& registry, const char* function, const Asked& a
     try {
       check_asked(asked);
       return registry.adopt(std::make_unique<Held>(find_scene(), logger));
-    } catch (const CallError& error) {
-      logger.log(fmi2Error, log_error, std::string(function) + ": " + error.what());
     } catch (const std::exception& error) {
-      logger.log(fmi2Error, log_error, error.what());
+      logger.log(fmi2Error, log_error, std::string(function) + ": " + error.what());
     }
   } catch (...) {  // there is no memory even for the message
   }

@@ -21,8 +21,8 @@ fmi2Status switch_logging(Instance& instance, const Function& function, bool on,
   for (std::size_t i = 0; i < count; ++i) names.emplace_back(categories[i] ? categories[i] : "(null)");
   const std::vector<std::string> unknown = instance.logger.switch_categories(on, names);
   if (unknown.empty()) return fmi2OK;
-  return instance.logger.warn_caller(std::string(function.name) + ": wanted categories of " + listed(instance.logger.declared()) + "; passed over " +
-                                     listed(unknown));
+  return instance.logger.warn_caller(std::string(function.name) + ": wanted categories of " + listed(instance.logger.declared()) +
+                                     "; passed over " + listed(unknown));
 }
 
 void set_up(Instance& instance, const Experiment& experiment) {

@@ -1,5 +1,7 @@
 #include "messages/trouble.hpp"
 
+#include <algorithm>
+
 #include "contact/surface/tangents.hpp"
 #include "messages/logger.hpp"
 
@@ -11,6 +13,11 @@ namespace {
 constexpr double slight = 1e-9;
 /// Distance of pinned points from the initial body, as a fraction of the largest side of the box, above which a warning is given.
 constexpr double noticed_strain = 1e-6;
+
+/// Returns the gap between an obstacle and a place [m].
+double gap_of(const Plane& plane, const SolidPose& pose, const Vec3& place) {
+  return (plane.solid() ? tangent(plane, pose, place) : HalfSpace(pose)).gap(place);
+}
 
 /// Returns the initial places that planes may meet [m]: samples of the surface, or the control points that no pin holds.
 std::vector<Vec3> met_places(const Definition& d, const Points& start) {
@@ -27,29 +34,64 @@ std::vector<Vec3> met_places(const Definition& d, const Points& start) {
   return places;
 }
 
+/// Returns the paths of those obstacles or pins, of their numbers, that `test` is true for.
+template <class Part, class Test>
+std::string paths(const std::vector<Part>& parts, Test&& test) {
+  std::string text;
+  for (std::size_t n = 0; n < parts.size(); ++n)
+    if (test(n)) text += (text.empty() ? "" : " and ") + parts[n].path();
+  return text;
+}
+
+/// Returns which pin is behind which obstacle at the start of a communication step or at its end; where that is not seen there, any.
+std::string pinned_behind(const SceneFile& scene, const SoftBody& body, double step) {
+  const Drive& drive = body.readings().drive;
+  for (const double time : {body.state().time, body.state().time + step})
+    for (std::size_t a = 0; a < scene.pins.size(); ++a) {
+      const Frame frame = drive.pins[a].at(time);
+      for (std::size_t q = 0; q < scene.planes.size(); ++q) {
+        const SolidPose pose = drive.planes[q].pose_at(time);
+        for (const Vec3& local : drive.pins[a].local) {
+          const Vec3 place = frame.origin + frame.arm(local);
+          if (gap_of(drive.planes[q], pose, place) < -slight * body.lattice().largest_side())
+            return "a control point of " + scene.pins[a].path() + " is behind " + scene.planes[q].path();
+        }
+      }
+    }
+  return "a pinned control point is behind an obstacle";
+}
+
 }  // namespace
 
 std::string trouble(StepStatus status, const SceneFile& scene, const SoftBody& body, double time, double step) {
   const std::string where = "at time " + number(time) + " s: ";
+  const Settings& settings = body.settings;
   switch (status) {
     case StepStatus::ok:
     case StepStatus::contact_ahead:
     case StepStatus::beside_solid: return "done";
     case StepStatus::impossible_planes:
-      return where +
-             "the obstacles leave a control point, a point of the surface or a free obstacle no feasible position; move or turn them so "
+      return where + paths(scene.planes, [](std::size_t) { return true; }) +
+             " leave a control point, a point of the surface or a free obstacle no feasible position; move or turn them so "
              "that they do not "
              "close on it";
     case StepStatus::pin_behind_plane:
-      return where + "a pinned control point is behind an obstacle plane; the motions of the pin and the plane contradict each other";
-    case StepStatus::zero_normal: return where + "a plane's normal is the zero vector; wanted any other vector";
-    case StepStatus::zero_orientation: return where + "a pin's orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
+      return where + pinned_behind(scene, body, step) + "; the motions of the pin and the obstacle contradict each other";
+    case StepStatus::zero_normal:
+      return where + paths(scene.planes, [&](std::size_t q) { return settings.planes[q].normal.isZero(0); }) +
+             ": the normal is the zero vector; wanted any other vector";
+    case StepStatus::zero_orientation:
+      return where +
+             paths(scene.pins,
+                   [&](std::size_t a) { return std::ranges::none_of(settings.pins[a].orientation, [](double c) { return c != 0; }); }) +
+             ": the orientation is the zero quaternion; wanted any other, e.g. (1, 0, 0, 0)";
     case StepStatus::undecided: return where + without_direction(scene, body);
     case StepStatus::too_much_work:
       return where + "a communication step of " + number(step) + " s needs more work than [solver] most_work = " + number(scene.most_work) +
              " allows" + (body.came() > 0 ? ", as was found at time " + number(time + body.came()) + " s" : "") +
              "; use shorter communication steps, a longer solver.step, less stiffness per mass, a larger tolerance or a larger most_work";
     case StepStatus::not_finite:
+      if (step == 0) return where + "a number is not finite: masses, forces, speeds or stiffness are too large";
       return where + "the result of a communication step of " + number(step) +
              " s is not finite, not even with smaller internal steps: forces, speeds or stiffness are too large";
   }
@@ -81,7 +123,7 @@ std::string behind_planes(const SceneFile& scene, const SoftBody& body) {
     int count = 0;
     double deepest = 0;
     for (const Vec3& place : places) {
-      const double depth = -(plane.solid() ? tangent(plane, pose, place) : HalfSpace(pose)).gap(place);
+      const double depth = -gap_of(plane, pose, place);
       if (!(depth > slight * d.lattice.largest_side())) continue;
       ++count;
       deepest = std::max(deepest, depth);

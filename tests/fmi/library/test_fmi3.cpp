@@ -16,7 +16,7 @@ namespace {
 constexpr unsigned points = 27;
 
 const std::string& folder() {
-  static const std::string path = *softffd::fmi::path_from_uri(resources(everything)) + "/";
+  static const std::string path = softffd::fmi::path_from_uri(resources(everything)) + "/";
   return path;
 }
 

@@ -73,6 +73,24 @@ TEST(what_is_estimated_has_two_digits_and_a_bound_stays_within_them) {
     CHECK(std::stod(within(bound)) <= bound && std::stod(within(bound)) > 0.85 * bound);
 }
 
+TEST(trouble_names_the_pin_and_the_obstacle) {
+  const std::string planes = "plane wall fixed 5 0 0 -1 0 0 0 0 0 0 0 0 0\nplane lid input 0 0 0.95 0 0 -1 0 0 0 0 0 0 0\n";
+  const auto refused = [&](Family family, double value, const std::string& parts) {
+    Run run(as_drawn, "damping 0.1\npin base fixed 0\npin hand input 26\n" + parts);
+    set_value(run.instance, family, value);
+    return refusal([&] {
+      run.start();
+      run.steps(0, 1);
+    });
+  };
+  const std::string initial = "the initial state: at time 0 s: ",
+                    contradict = "; the motions of the pin and the obstacle contradict each other";
+  CHECK(refused(Family::damping, 0.2, planes) == initial + "a control point of pin.hand is behind plane.lid" + contradict);
+  CHECK(refused(Family::pin_orientation, 0, "").find(initial + "pin.hand: the orientation is the zero quaternion; wanted") == 0);
+  CHECK(refused(Family::mass, 1e308, "gravity 0 0 -9.81\nenergy\n") ==
+        initial + "a number is not finite: masses, forces, speeds or stiffness are too large");
+}
+
 TEST(a_pin_that_starts_off_its_place_is_told_by_name) {
   for (const std::string moves : {"fixed", "input"})
     for (const bool off : {true, false}) {

@@ -68,7 +68,7 @@ def test_a_refused_step_leaves_all_as_it_was_and_the_run_goes_on(tmp_path, pages
     again = {"again": [each["start"] for each in live["open"]["parameters"]]}
     messages = [{"run": 0.02, **run}, {"run": 1, "hand": hand, "budget": 1e9}, {"run": 0.04, **run}, again, {"run": 0.04, **run}]
     before, refused, after, begun, same = in_node(page, messages, tmp_path)[1:]
-    assert "a pinned control point is behind an obstacle plane" in refused["refused"]
+    assert "a control point of pin." in refused["refused"]
     assert [each["frame"] for each in (before, refused, after, begun, same)] == [0.02, 0.02, 0.04, 0, 0.04]
     assert after["points"] == same["points"] and after["outputs"] == same["outputs"]
 
