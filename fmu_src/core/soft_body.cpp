@@ -32,8 +32,8 @@ bool finite(const Run& run) {
   };
   const Exchange& exchange = run.physical.exchange;
   return all_finite(run.physical.motion) && all_finite(exchange) && all_finite(run.potential) && all_finite(run.energy) &&
-         all_finite(run.work) && all_finite(run.dissipated) && !std::isnan(run.control.bound) &&
-         std::all_of(exchange.planes.begin(), exchange.planes.end(), mean_is_finite) &&
+         all_finite(run.work) && all_finite(run.dissipated) && all_finite(run.centres) && all_finite(run.sensors) &&
+         !std::isnan(run.control.bound) && std::all_of(exchange.planes.begin(), exchange.planes.end(), mean_is_finite) &&
          std::all_of(exchange.pins.begin(), exchange.pins.end(), mean_is_finite);
 }
 

@@ -1,13 +1,13 @@
 """Sensors: forces, pressures and taxels on patches of the surface, against reactions, weights, Hertz and the centre of pressure."""
 
 import math
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 import numpy as np
 import pytest
 
 from scenes import GRAVITY, box
-from softffd import Simulation, simulate
+from softffd import FmuError, Simulation, simulate
 from softffd.mesh.files import load_mesh, save_mesh
 from softffd.mesh.looks import Group, Looks
 from softffd.mesh.mesh import Mesh
@@ -52,6 +52,19 @@ def test_a_block_at_rest_presses_evenly_with_its_weight(tmp_path, vertices):
         assert foot.pressure <= foot.peak_pressure <= 1.05 * foot.pressure
         assert foot.taxels.shape == (3, 2, 3)
         assert foot.taxels[..., 2] == pytest.approx(foot.taxels[::-1, ::-1, 2], abs=0.02 * WEIGHT)
+
+
+def test_a_reading_that_is_no_number_discards_the_step():
+    """Squares of the plane's velocity overflow."""
+    turning = {"name": "ground", "angular_velocity": [0.0, 0.0, -9.78e155]}
+    for sensors in ([], [FOOT]):
+        scene = solid(
+            4, modulus=1e5, density=100.0, gravity=GRAVITY, internal_damping=1e-3, tolerance=1e-3, plane=[turning], sensor=sensors
+        )
+        with Simulation(scene) as sim:
+            sim.step(0.01)
+            with pytest.raises(FmuError, match=r"discarded the step: .* is not finite") if sensors else nullcontext():
+                sim.step(0.01)
 
 
 MOVING = {"velocity": [0.5, 0.2, 0.0], "angular_velocity": [0.0, 1.0, 0.0], "offset": [0.0, 0.0, 0.004]}
