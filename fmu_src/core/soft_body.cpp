@@ -286,11 +286,12 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   if (changed) take_material();
   const StepStatus status = refresh_drive();
   if (status != StepStatus::ok) return status;
-  if (followed_) followed_->begin(model_, now_);
+  const bool continued = motion.time > start_time_ && hides_means({model_.body, drive_}, motion, settings.horizon, H);
+  if (followed_) followed_->begin(model_, now_, continued);
   for (const Plane& plane : drive_.planes)  // distances are squared
     if (!std::isfinite(plane.pose_at(motion.time + H).point.squaredNorm())) return StepStatus::not_finite;
-  exchange.clear();
-  now_.exchange_time = H;
+  exchange.clear(continued);
+  now_.exchange_time = H + (continued ? now_.exchange_time : 0);
   bool& moved = moved_ = place_pins(true);
   const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
@@ -318,7 +319,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   const StepStatus ran = propagator_.advance({model_, drive_, request, now_}, H);
   if (definition_.solids) meet_solids(drive_);
   if (ran != StepStatus::ok) return ran;
-  if (followed_) followed_->end(model_.body, H, now_);
+  if (followed_ && !continued) followed_->end(model_.body, H, now_);
   if (drive_.ramped)
     drive_.force_at(motion.time, now_.outside.change());
   else

@@ -51,6 +51,24 @@ TEST(a_call_does_no_more_than_its_work) {
     }
 }
 
+TEST(a_communication_step_too_short_for_means_continues_those_before) {
+  Definition definition = one_kilogram({4, 4, 4}, 1);
+  definition.watch_energy = true;
+  SoftBody body = soft_body(definition, 2e3);
+  body.settings.damping = 2;
+  body.settings.gravity = {0, 0, -9.81};
+  body.settings.planes[0] = {{0, 0, -0.05}, {0, 0, 1}, Vec3::Zero(), Vec3::Zero(), 0, false};
+  body.initialize(0);
+  go(body, 300, 0.01);
+  const double dissipated = body.readings().dissipated_energy();
+  for (const double H : {1e-9, 2e-10, 1e-12, 1e-15, 0.01}) {
+    CHECK(body.advance(H) == StepStatus::ok);
+    CHECK(std::abs(body.readings().plane_reaction(0).z() + 9.81) < 1e-3);
+    CHECK((body.readings().plane_centre(0) - Vec3(0.5, 0.5, -0.05)).norm() < 1e-3);
+    CHECK(std::abs(body.readings().dissipated_energy() - dissipated) < 1e-9);
+  }
+}
+
 TEST(forces_whose_squares_are_no_numbers_are_refused_before_a_step) {
   SoftBody body = soft_body(stretched(1), 1e8);
   body.settings.planes[0] = {{0, 0, 0}, {0, 0, 1}, Vec3::Zero(), Vec3::Zero(), 0, false};

@@ -88,13 +88,14 @@ struct Exchange {
   void touch(std::size_t obstacle, int at, const Vec3& impulse) {
     if (!touched.empty()) touched[obstacle].row(at) += impulse.array().transpose();
   }
-  /// Resets the impulses, the energies and the number of contacts for a new communication step.
-  void clear() {
+  /// Resets the energies and the number of contacts for a new communication step, and the impulses unless it continues those before.
+  void clear(bool continued = false) {
+    dissipated = work = 0;
+    contacts_resolved = 0;
+    if (continued) return;
     for (auto* impulses : {&planes, &pins})
       for (Impulse& impulse : *impulses) impulse = {};
     for (Points& impulses : touched) impulses.setZero();
-    dissipated = work = 0;
-    contacts_resolved = 0;
   }
 
   template <class Self, class Fields>

@@ -360,7 +360,7 @@ struct Run {
   PhysicalState physical;
   ControllerState control;
   EnergyAccount energy;
-  double exchange_time = 1;                        ///< length of the last communication step [s]
+  double exchange_time = 1;                        ///< time over which the impulses of `exchange` add up [s]
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: as of the last look
   double free_energy = 0;                          ///< energy of free bodies at the start [J]
   MarkedPoints outside;                            ///< outside forces at the end of the last communication step [N]

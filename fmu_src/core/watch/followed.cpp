@@ -19,9 +19,10 @@ FollowedPoints::FollowedPoints(const Sensed& sensed, const Lattice& lattice) : b
   }
 }
 
-void FollowedPoints::begin(const Model& model, Run& run) {
+void FollowedPoints::begin(const Model& model, Run& run, bool continued) {
   const State& motion = run.physical.motion;
   if (every_step_) radian_ = half * model.stability.stable_step(model.body, motion.x);
+  if (continued) return;
   for (std::size_t n = 0; n < followed_.size(); ++n) {
     begun_[n] = followed_[n].value(motion.v);
     run.physical.exchange.points[n] = {.from = begun_[n]};

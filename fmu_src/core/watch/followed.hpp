@@ -19,8 +19,8 @@ class FollowedPoints {
  public:
   FollowedPoints(const Sensed& sensed, const Lattice& lattice);
 
-  /// Call when a communication step begins.
-  void begin(const Model& model, Run& run);
+  /// Call when a communication step begins. continued: it is too short for means and continues the readings before, without an end.
+  void begin(const Model& model, Run& run, bool continued = false);
   /// Call after an internal step of length h [s].
   void step(const Body& body, double h, Run& run) const;
   /// True if internal steps have to be looked at.

@@ -13,6 +13,10 @@ namespace softffd {
 /// not been seen to.
 inline constexpr double rubbing = 0.3;
 
+/// True if rounding of positions hides what forces move the points in a communication step of length H [s], and with that the impulses of
+/// contact. Only rounding in a host makes steps so short. horizon: length of the run [s].
+bool hides_means(const Equations& equations, const State& motion, double horizon, double H);
+
 struct Readings {
   const Model& model;
   const Drive& drive;
