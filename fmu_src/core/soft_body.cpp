@@ -296,8 +296,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
   if (changed || moved) model_.body.internal_force(motion.x, motion.spring);
-  const bool published = settings.method == Method::central_difference && (!drive_.planes.empty() || !drive_.pins.empty());
-  const bool watched = !published;
+  const bool watched = settings.method != Method::central_difference || (drive_.planes.empty() && drive_.pins.empty());  // as published
   if (definition_.watch_energy) now_.work += potential_energy() - now_.potential;
   if (moved) begin_ = motion.x;
   const Points& begin = moved ? begin_ : before_.physical.motion.x;

@@ -101,3 +101,18 @@ def test_a_plane_that_goes_beyond_all_numbers_is_refused(speed):
         with pytest.raises(FmuError):
             body.step(H)
         assert np.array_equal(body.points(), before)
+
+
+@pytest.mark.parametrize(("rate", "refused"), [(1e160, False), (1e300, True)])
+def test_a_force_that_grows_beyond_all_squares_ends_the_call(rate, refused):
+    """The error of a window is no number then, and the next step was not, either."""
+    with Stepper(
+        box(stiffness=2e3, damping=2.0, gravity=[0, 0, -9.81], plane=table_and_press(), load=[{"name": "push", "points": "z+"}])
+    ) as body:
+        body.step(0.01)
+        body.set_rates({"load.push.z": rate})
+        if refused:
+            with pytest.raises(FmuError, match="not finite"):
+                body.step(0.01)
+        else:
+            body.step(0.01)
