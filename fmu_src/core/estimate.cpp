@@ -17,10 +17,12 @@ namespace {
 /// Size of the shadow's steps relative to the run's [1].
 constexpr double finer = 2.0 / 3;
 
-/// True if a stiff or damped body was beside an obstacle in the last communication step: the shadow then follows the same rules.
+/// True if a stiff body was beside an obstacle in the last communication step, or a damped one beside an obstacle or pinned: the shadow then
+/// follows the same rules.
 bool of_impacts(const SoftBody& body) {
   const Reason reason = body.readings().reason();
-  const bool damped = reason == Reason::damped_contact || (body.settings.method == Method::sdirk2 && body.settings.step == 0);
+  const bool damped = reason == Reason::damped_contact || reason == Reason::damped_motion ||
+                      (body.settings.method == Method::sdirk2 && body.settings.step == 0);
   return damped || reason == Reason::impact || reason == Reason::ringing_flight || reason == Reason::stiff_contact;
 }
 

@@ -125,7 +125,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
   ControllerState& control = context.run.control;
   DampedRecord& record = control.damped;
   const State& motion = context.run.physical.motion;
-  const double begin = motion.time;
+  const double begin = motion.time, longest = (end - begin) * context.request.step_factor;
   const Count rejected = control.rejected;
   bool opens = false;  // the first step was cut to that of the communication step before
   while (motion.time < end) {
@@ -144,7 +144,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
       record.h = record.opening;
       record.trust = 0;
     }
-    const Count parts = divisions(left, std::min(record.h, left) * context.request.step_factor);
+    const Count parts = divisions(left, std::min(record.h * context.request.step_factor, longest));
     const double until = parts == 1 ? end : motion.time + left / double(parts);
     const Count constraints = record.constraints;
     if (const StepStatus status = step(call, until); status != StepStatus::ok) return status;
@@ -236,7 +236,7 @@ DampedSteps::Forces DampedSteps::compare_forces(const Call& call) const {
 StepStatus DampedSteps::step(const Call& call, double until) {
   Run& run = call.context.run;
   DampedRecord& record = run.control.damped;
-  const double h = until - run.physical.motion.time, allowed = call.allowed(h);
+  const double h = until - run.physical.motion.time, whole = h / call.context.request.step_factor, allowed = call.allowed(h);
   Snapshot snapshot(run.physical, start_);
   const Step coarse = take(call, until);
   if (record.trust > 0) {
@@ -246,8 +246,8 @@ StepStatus DampedSteps::step(const Call& call, double until) {
       --record.trust;
       book(call, h, error, record.lasting * bent + beside);
       if (error > 0)
-        record.h = std::max(h * std::clamp(use::window_safety * std::sqrt(allowed / error), use::next_shrink, use::rest_growth),
-                            until == call.end ? record.h : h * use::next_shrink);
+        record.h = std::max(whole * std::clamp(use::window_safety * std::sqrt(allowed / error), use::next_shrink, use::rest_growth),
+                            until == call.end ? record.h : whole * use::next_shrink);
       snapshot.commit();
       return StepStatus::ok;
     }
@@ -271,7 +271,7 @@ StepStatus DampedSteps::step(const Call& call, double until) {
   run.control.rejected += 3;
   record.trust = 0;
   record.next_trust = 1;
-  record.h = h * std::clamp(std::isfinite(judged.ratio) ? judged.growth() : 0, use::window_shrink, use::loss_shrink * 2);
+  record.h = whole * std::clamp(std::isfinite(judged.ratio) ? judged.growth() : 0, use::window_shrink, use::loss_shrink * 2);
   return StepStatus::ok;
 }
 
@@ -328,7 +328,8 @@ void DampedSteps::accept(const Call& call, double h, double allowed, double bend
   record.fades = judged.fades;
   record.trust = known ? record.next_trust : 0;
   record.next_trust = known ? std::min(2 * record.next_trust, use::longest_damped_trust) : 1;
-  const double growth = judged.growth(), longer = h * std::clamp(growth, use::next_shrink, use::rest_growth);
+  const double growth = judged.growth(),
+               longer = h / call.context.request.step_factor * std::clamp(growth, use::next_shrink, use::rest_growth);
   record.h = growth < 1 ? longer : std::max(record.h, longer);
 }
 

@@ -178,3 +178,17 @@ def test_the_estimate_is_close_to_the_error_with_internal_damping(ratio, method,
     factor = IMPLICIT if method == "ros34pw2" else EXPLICIT
     assert 1 / factor < estimate / error < factor
     assert error < tolerance
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+@pytest.mark.parametrize("method", ["auto", "sdirk2"])
+def test_the_estimate_follows_the_implicit_steps_of_a_pinned_body(method, tolerance):
+    held = box(
+        stiffness=1e5, material={"internal_damping": 1e-3}, mass={"total": 10.0}, gravity=[0.0, 0.0, -9.81],
+        pin=[{"name": "wall", "points": "x-"}], stop_time=0.5, communication_step=0.02,
+    )  # fmt: skip
+    exact = points(simulate(held, start_values={"solver.method": "dop853", "solver.tolerance": 1e-10}))
+    found = simulate(held.replace({"solver.error_estimate": True}), start_values={"solver.method": method, "solver.tolerance": tolerance})
+    error, estimate = (values.max() for values in errors_and_estimates(found, exact))
+    assert 1 / IMPLICIT < estimate / error < IMPLICIT
+    assert error < tolerance
