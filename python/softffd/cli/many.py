@@ -128,6 +128,7 @@ def _workers(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
         return
     distributed = package("distributed", "--scheduler", "clusters")
     try:
+        distributed.comm.get_address_host(scheduler)  # ValueError; a client of such an address would end only after 20 s
         client = distributed.Client(scheduler, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError) as error:  # OSError: nobody answers; ValueError: no valid address
         why = f"no Dask scheduler answered within {CONNECTING:g} s" if isinstance(error, OSError) else str(error)

@@ -95,11 +95,17 @@ def test_an_executor_that_is_none_or_is_shut_down_is_refused():
 COMMAND = ["sweep", "hanging", "--vary", "mass=1", "--scheduler"]
 
 
-@pytest.mark.parametrize("address, words", [("tcp://127.0.0.1:9", "no Dask scheduler answered"), ("post://a", "got post://a")])
-def test_an_address_where_no_scheduler_is_is_refused(address, words, monkeypatch, capsys, tmp_path):
+def test_an_address_where_no_scheduler_is_is_refused(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(command, "CONNECTING", 0.3)
+    assert main([*COMMAND, "tcp://127.0.0.1:9", "-o", str(tmp_path / "kept")]) == 1
+    assert "no Dask scheduler answered" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("address", ["post://a", "foo", ""])
+def test_what_is_no_address_is_refused_before_there_is_a_client(address, monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(distributed, "Client", None)
     assert main([*COMMAND, address, "-o", str(tmp_path / "kept")]) == 1
-    assert words in capsys.readouterr().err
+    assert f"such as tcp://host:8786, got {address}: " in capsys.readouterr().err
 
 
 @pytest.mark.full  # distributed gives its loop 10 s to begin, which a busy machine may need
