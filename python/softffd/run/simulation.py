@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 HEAD = struct.Struct("<8sd?")  # before the FMU's own bytes of a state: mark, time [s], whether the first step is still to come
 MARK = b"softffd1"
+SLIVER = 1e-6  # a difference of times that is no more than this part of a communication step is one of rounding
 
 
 class State:
@@ -114,19 +115,30 @@ class Simulation(Variables):
         """Does one communication step.
 
         length: length of the step [s], > 0; by default the communication step of the scene.
-        end: time at the end of the step [s], for a host that computes it otherwise, as a multiple of its step; time + length by default.
+        end: time at the end of the step [s], time + length by default. With a length, a host may compute the end otherwise, as a multiple
+            of its step, to within a millionth of the length.
         Raises FmuError with the component's message for a step that it refuses or discards; time and state are then those before the step.
         """
+        if end is not None:
+            end = one_number("end", end)
         if length is None:
-            length = self.component.interface.step
+            length = self.component.interface.step if end is None else end - self.time
             if length is None:
                 raise FmuError("step: wanted a length > 0 s, got none; the FMU has no default: give step(H)")
-        if not (one_number("step", length) > 0 and math.isfinite(length)):
+        length = one_number("step", length)
+        if not (length > 0 and math.isfinite(length)):
             raise FmuError(f"step: wanted a length > 0 s, got {length:g}")
+        reached = self.time + length
+        if reached == self.time:
+            raise FmuError(f"step: wanted a length that changes the time {self.time:g} s, got {length:g}")
+        if end is not None and not abs(end - reached) <= SLIVER * length + 4 * math.ulp(reached):
+            raise FmuError(
+                f"step: wanted an end at {reached:g} s, {length:g} s after {self.time:g} s, got {end:g}: leave out one of the two"
+            )
         if self.initializing:
             self.initialize()
         self.component.do_step(self.time, length)
-        self.time = self.time + length if end is None else end
+        self.time = reached if end is None else end
 
     def restart(
         self, *, tolerance: float | None = None, method: str | None = None, start_values: Mapping[str, Any] | None = None,

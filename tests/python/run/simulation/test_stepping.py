@@ -1,5 +1,7 @@
 """Steps add up to the time, and give the bits of `simulate`."""
 
+from decimal import Decimal
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,28 @@ def test_steps_add_up_to_the_time(sim):
     assert sim.time == 1.25 * STEP
     sim.step(STEP, end=2.25 * STEP)
     assert sim.time == 2.25 * STEP
+    sim.step(end=4 * STEP)
+    state = sim.save()
+    sim.step(STEP)
+    reached = sim.positions
+    sim.restore(state)
+    sim.step(Decimal(repr(STEP)))
+    assert type(sim.time) is float and np.array_equal(sim.positions, reached)
+    for _ in range(40):
+        sim.step(np.float32(STEP))
+    assert type(sim.time) is float
+
+
+@pytest.mark.parametrize("given", [{"length": STEP, "end": 5.0}, {"length": STEP, "end": float("nan")}, {"end": -1.0}, {"end": "x"}])
+def test_an_end_that_is_not_where_the_step_ends_is_refused(sim, given):
+    with pytest.raises(FmuError, match=r"wanted (an end at|a length > 0 s|one number)"):
+        sim.step(**given)
+    assert sim.time == 0.0
+
+
+def test_a_step_too_short_for_the_time_is_refused():
+    with Simulation(scene(), start_time=1e15) as late, pytest.raises(FmuError, match=r"a length that changes the time 1e\+15 s"):
+        late.step(STEP)
 
 
 def test_stepping_gives_the_bits_of_simulate(sim):
