@@ -21,7 +21,7 @@ from softffd.errors import FmuError
 from softffd.fmu.block import Block, Blocks, one_number
 from softffd.fmu.interface import ScalarVariable
 from softffd.installed import library_function
-from softffd.run.simulation import Simulation
+from softffd.run.simulation import SLIVER, Simulation
 
 GIVEN_BY = {"communication step": "--step H, in Python step=H", "stop time": "--stop-time T, in Python stop_time=T"}
 """How a user gives a value for which an FMU has no default."""
@@ -45,8 +45,9 @@ def positive(what: str, given: float | None, default: Any, *, after: float = 0.0
 
 
 def communication_points(stop_time: float, step: float, start_time: float = 0.0, *, bytes_each: int) -> np.ndarray:
-    """Returns the start time, the multiples of `step` after it, and the stop time: (T,) [s]. FmuError if the values that a run keeps of
-    all points, `bytes_each` for each point, would not fit into this machine's memory."""
+    """Returns the start time, the multiples of `step` after it, and the stop time: (T,) [s]. A remainder that is one of rounding belongs
+    to the last step. FmuError if the values that a run keeps of all points, `bytes_each` for each point, would not fit into this
+    machine's memory, and if times so late have no room for the steps."""
     count = (stop_time - start_time) / step
     if not count * bytes_each <= memory():
         raise FmuError(
@@ -54,7 +55,13 @@ def communication_points(stop_time: float, step: float, start_time: float = 0.0,
             f"{count * bytes_each / 1e9:.3g} GB; wanted at most {memory() / 1e9:.3g} GB, this machine's memory: "
             "take a longer step, a shorter stop time or fewer outputs"
         )
-    return np.append(start_time + step * np.arange(math.ceil(count * (1 - 1e-9))), stop_time)
+    times = np.append(start_time + step * np.arange(max(1, math.ceil(count - max(SLIVER, 1e-9 * count)))), stop_time)
+    if not (np.diff(times) > 0).all():
+        raise FmuError(
+            f"communication step: wanted one that changes the time, {start_time:g} to {stop_time:g} s, got {step:g} s: take a longer step, "
+            "or an earlier start time"
+        )
+    return times
 
 
 def memory() -> float:
@@ -66,7 +73,7 @@ def memory() -> float:
 
 
 def step_lengths(times: np.ndarray, step: float) -> list[float]:
-    """Returns the lengths of the steps between the times: the same double for all steps but a shorter last one."""
+    """Returns the lengths of the steps between the times: the same double for all steps but the last, if that has another length."""
     last = float(times[-1] - times[-2])
     whole = math.isclose(last, step, rel_tol=1e-9, abs_tol=4 * float(np.spacing(abs(times).max())))
     return [step] * (len(times) - 2) + [step if whole else last]

@@ -8,6 +8,7 @@ import pytest
 from scenes import box, table_and_press
 from softffd import FmuError, MeshError, SoftffdError, simulate
 from softffd.fmu.variables import method_value
+from softffd.run.drive import communication_points
 
 SCENE = box(plane=table_and_press(), velocities="all", energy=True, stop_time=0.1)
 
@@ -48,6 +49,23 @@ def test_a_run_may_start_at_any_time_and_is_the_same():
     assert later.summary["simulated_time_s"] == pytest.approx(0.1) and later.summary["communication_steps"] == 10
     np.testing.assert_allclose(later.positions, at_zero.positions, atol=1e-9)
     assert abs(later.positions - later.positions[0]).max() > 0.01
+
+
+@pytest.mark.parametrize("stop_time", [np.float32(0.05), 0.05 + 1e-9, 0.05 - 1e-9])
+def test_a_stop_time_that_is_rounded_makes_no_step_of_the_remainder(stop_time):
+    exact, rounded = (simulate("press", stop_time=end, output="plane.table.reaction.z") for end in (0.05, stop_time))
+    assert len(rounded.time) == len(exact.time) == 6 and rounded.time[-1] == stop_time
+    assert rounded.outputs["plane.table.reaction.z"][-1] == pytest.approx(exact.outputs["plane.table.reaction.z"][-1], rel=1e-6)
+
+
+def test_a_run_shorter_than_a_rounding_error_of_its_step_is_one_step():
+    assert communication_points(1e-9, 0.01, bytes_each=1).tolist() == [0.0, 1e-9]
+
+
+@pytest.mark.parametrize("start", [1e15, 1e14])
+def test_times_too_late_for_the_communication_step_are_refused(start):
+    with pytest.raises(FmuError, match="communication step: wanted one that changes the time"):
+        simulate("press", start_time=start, stop_time=start + 1)
 
 
 def test_a_function_is_asked_from_the_start_time_on():
