@@ -58,6 +58,8 @@ def _say(table: Any, files: list[Path], folder: Path) -> None:
     for values, words in failures[:3]:
         print(f"  failed with {', '.join(f'{name} = {value}' for name, value in values.items())}: {words}")
     print(f"  kept in {folder}: {', '.join(file.name for file in files)}")
+    if len(failures) == table.done.size:
+        raise SoftffdError(f"sweep: wanted runs that succeed, got {len(failures)} that failed, the first with: {failures[0][1]}")
 
 
 def _varied(text: str) -> tuple[str, list[Any]]:

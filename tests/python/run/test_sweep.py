@@ -290,6 +290,12 @@ def test_the_command_refuses_wrong_values(vary, words, tmp_path, capsys):
     assert not (tmp_path / "kept").exists()
 
 
+def test_a_command_whose_runs_all_fail_does_not_succeed(tmp_path, capsys):
+    assert main(["sweep", "press", "--vary", "stiffness.edge=-1,-2", "--stop-time", "0.02", "-j", "1", "-o", str(tmp_path / "kept")]) == 1
+    said = capsys.readouterr()
+    assert "2 that failed, the first with: " in said.err and "got -1" in said.err and "2 runs, 2 failed" in said.out
+
+
 @pytest.mark.short("longer path than a socket may have")
 @pytest.mark.parametrize("folder", ["t", "t" * 100], ids=["short path", "longer path than a socket may have"])
 def test_a_script_needs_no_guard_against_its_own_processes_wherever_temporary_files_are(tmp_path, folder):
