@@ -9,11 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
-from softffd.errors import SoftffdError
-from softffd.files import replacing
-from softffd.show.figure import CURVES, PLAIN, SOFT, new_figure
-
-FORMATS = (".png", ".svg", ".pdf")
+from softffd.show.figure import CURVES, PLAIN, SOFT, kept_at, new_figure
 
 
 @dataclass(frozen=True)
@@ -32,8 +28,6 @@ class Curve:
 
 def draw(title: str, curves: Sequence[Curve], file: str | Path | None) -> Figure:
     """Draws, for each test, a panel of data and curve above one of residuals. file: where the figure is written, if anywhere."""
-    if file is not None and Path(file).suffix not in FORMATS:
-        raise SoftffdError(f"{file}: wanted a picture's name that ends with {', '.join(FORMATS)}")
     count = len(curves)
     figure = new_figure(2 + 5.2 * count, 5.4, dpi=120)
     figure.set_layout_engine("constrained")
@@ -41,10 +35,7 @@ def draw(title: str, curves: Sequence[Curve], file: str | Path | None) -> Figure
     panels = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=[3, 1])
     for (above, below), curve in zip(panels.T, curves, strict=True):
         _column(above, below, curve)
-    if file is not None:
-        with replacing(file) as stream:
-            figure.savefig(stream, format=Path(file).suffix[1:])
-    return figure
+    return kept_at(file, figure)
 
 
 def _column(above: Any, below: Any, curve: Curve) -> None:

@@ -14,7 +14,6 @@ import numpy as np
 
 from softffd.embedding.deform import deform, outside
 from softffd.errors import MeshError, SoftffdError, UnknownName
-from softffd.files import write_bytes
 from softffd.fmu.instance import Message
 from softffd.lattice import LatticeBox, all_points
 from softffd.names import ByName, listed, variable_names
@@ -237,7 +236,8 @@ class Result(ObstacleCourses):
         self, path: str | Path | None = None, *, x: str = "time", y: str | Iterable[str] = (), colour: str | None = None,
         lattice: bool | None = None,
     ) -> Figure:  # fmt: skip
-        """Draws the picture of the run: its telling moments, with its scene's mesh, and the curves; written to `path` (PNG) if given.
+        """Draws the picture of the run: its telling moments, with its scene's mesh, and the curves; written to `path` if given (PNG,
+        SVG or PDF).
         colour: "von_mises" (stress) or "stretch" (the largest principal one) of the cells, or "contact_pressure" on taxels, in place of
             the object's own colours.
         lattice: show the lattice; by default if there is no mesh.
@@ -245,19 +245,21 @@ class Result(ObstacleCourses):
         of them: plot(x="plane.press.point.z", y="plane.press.reaction.z").
         Returns matplotlib's Figure. UnknownName with the nearest name for an unknown one; SoftffdError if the picture needs positions
         that were not recorded."""
+        from softffd.show.figure import kept_at
         from softffd.show.picture import curve_picture, run_picture
 
         if (x != "time" and not y) or ((colour or lattice is not None) and y):
             raise SoftffdError("plot: wanted x with y, and colour and lattice without them")
-        return _kept_at(path, curve_picture(self, x=x, y=y) if y else run_picture(self, colour=colour, lattice=lattice))
+        return kept_at(path, curve_picture(self, x=x, y=y) if y else run_picture(self, colour=colour, lattice=lattice))
 
     def plot_taxels(self, name: str, path: str | Path | None = None) -> Figure:
         """Draws the contact pressure on the taxels of a sensor: maps of the grid when half of the largest force is reached, at the
         largest pressure, at the largest force, and at the end if the grid is pressed then; the largest and the mean pressure over time.
-        Writes the figure to `path` (PNG) if one is given. Returns matplotlib's Figure. SoftffdError as in `taxel_pressure`."""
+        Writes the figure to `path` (PNG, SVG or PDF) if one is given. Returns matplotlib's Figure. SoftffdError as in `taxel_pressure`."""
+        from softffd.show.figure import kept_at
         from softffd.show.taxels import taxel_picture
 
-        return _kept_at(path, taxel_picture(self, name))
+        return kept_at(path, taxel_picture(self, name))
 
     def view(self, path: str | Path | None = None, *, browser: bool = True) -> Path:
         """Writes the interactive page to `path`, by default a temporary file, and opens it in the browser. Returns the page's path.
@@ -300,11 +302,3 @@ class Result(ObstacleCourses):
             return f"{words}{picture}<p>The interactive page is large: <code>view()</code> opens it in the browser.</p>"
         frame = f'<iframe loading="lazy" style="width: 100%; height: 36rem; border: 0" srcdoc="{html.escape(page)}"></iframe>'
         return f"{words}{picture}<details><summary>interactive page</summary>{frame}</details>"
-
-
-def _kept_at(path: str | Path | None, figure: Figure) -> Figure:
-    from softffd.show.figure import png_of
-
-    if path is not None:
-        write_bytes(path, png_of(figure))
-    return figure

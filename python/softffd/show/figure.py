@@ -1,8 +1,9 @@
-"""Matplotlib figures in the style of softffd's pictures (text, curves, images, a colour scale), and their conversion to PNG."""
+"""Matplotlib figures in the style of softffd's pictures (text, curves, images, a colour scale), and their files."""
 
 from collections.abc import Iterable, Mapping
 from io import BytesIO
 from itertools import cycle
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter, MaxNLocator
 
+from softffd.errors import SoftffdError
+from softffd.files import write_bytes
+from softffd.spelling import did_you_mean
+
 INK, SOFT = "#1b2430", "#5b6675"  # colours of text and lines
 PLAIN: dict[str, Any] = {"parse_math": False}  # for texts from outside: matplotlib must not read two dollar signs as a formula
 
@@ -19,6 +24,8 @@ CURVES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d00", "#56b4e9")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
 
 COMPRESSION = 3  # level of the PNG: half the time of the usual level 6, a tenth more bytes
+
+FORMATS = (".png", ".svg", ".pdf")  # endings of pictures' files
 
 Box = tuple[float, float, float, float]  # left, bottom, width and height, as fractions of the figure
 
@@ -92,6 +99,22 @@ def quantity(value: float, unit: str) -> str:
 
 def png_of(figure: Figure) -> bytes:
     """Returns the figure as the bytes of a PNG."""
+    return _bytes_of(figure, ".png")
+
+
+def kept_at(file: str | Path | None, figure: Figure) -> Figure:
+    """Writes the figure in the format of the file's ending, if there is a file, and returns the figure. Raises SoftffdError for another
+    ending than FORMATS has."""
+    if file is not None:
+        if (ending := Path(file).suffix.lower()) not in FORMATS:
+            nearest = did_you_mean(str(Path(file).with_suffix(".png")) if Path(file).name else None)
+            raise SoftffdError(f"{file}: wanted a picture's name that ends with {', '.join(FORMATS)}{nearest}")
+        write_bytes(file, _bytes_of(figure, ending))
+    return figure
+
+
+def _bytes_of(figure: Figure, ending: str) -> bytes:
     stream = BytesIO()
-    figure.savefig(stream, format="png", pil_kwargs={"compress_level": COMPRESSION})
+    settings: dict[str, Any] = {"pil_kwargs": {"compress_level": COMPRESSION}} if ending == ".png" else {}
+    figure.savefig(stream, format=ending[1:], **settings)
     return stream.getvalue()

@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from softffd.errors import SoftffdError
-from softffd.files import replacing
-from softffd.show.figure import PLAIN, new_figure
+from softffd.show.figure import PLAIN, kept_at, new_figure
 
 LARGEST = 30
 """Largest number of outputs in one picture"""
@@ -22,7 +21,6 @@ LETTERS = 30
 """Number of letters that fit side by side below a panel; longer labels are slanted"""
 ROOM = 1 / 14
 """Fraction of an axis that a label takes across its line; values closer than this have a tick without a label"""
-FORMATS = (".png", ".svg", ".pdf")
 
 
 def draw(
@@ -32,14 +30,12 @@ def draw(
     """Draws a panel for each output, side by side and below each other; failed runs are crosses.
 
     values: (n,) of each varied variable; outputs, failed: over their grid. units: by name. file: path of the picture, or None. Raises
-    SoftffdError for more than two variables, no or more than LARGEST outputs, or another ending than FORMATS has.
+    SoftffdError for more than two variables, no or more than LARGEST outputs, or another ending than a picture has.
     """
     if not 1 <= len(values) <= 2:
         raise SoftffdError(f"plot: wanted one or two varied variables, got {len(values)}; to_xarray takes any number")
     if not 1 <= len(outputs) <= LARGEST:
         raise SoftffdError(f"plot: wanted 1 to {LARGEST} outputs, got {len(outputs)}; choose with outputs=[...]")
-    if file is not None and Path(file).suffix not in FORMATS:
-        raise SoftffdError(f"{file}: wanted a picture's name that ends with {', '.join(FORMATS)}")
     columns = min(3, len(outputs))
     rows = math.ceil(len(outputs) / columns)
     axes = [_Axis(name, units[name], given) for name, given in values.items()]
@@ -58,10 +54,7 @@ def draw(
         legend = figure.legend(lines, axes[1].words, title=axes[1].label, loc="outside right upper", frameon=False)
         for text in (*legend.get_texts(), legend.get_title()):
             text.set(**PLAIN)
-    if file is not None:
-        with replacing(file) as stream:
-            figure.savefig(stream, format=Path(file).suffix[1:])
-    return figure
+    return kept_at(file, figure)
 
 
 class _Axis:

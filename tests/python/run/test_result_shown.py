@@ -37,6 +37,11 @@ def test_plot_gives_the_figure_and_writes_it(tmp_path):
     assert figure._repr_png_() == (tmp_path / "run.png").read_bytes()
     with Image.open(tmp_path / "run.png") as image:
         assert image.size == tuple((figure.get_size_inches() * figure.dpi).round().astype(int))
+    made_up_run().plot(tmp_path / "run.SVG", y="time")
+    assert b"<svg" in (tmp_path / "run.SVG").read_bytes()
+    for name in ("run.jpg", "run"):
+        with pytest.raises(SoftffdError, match=r"ends with \.png, \.svg, \.pdf, did you mean .*run\.png"):
+            made_up_run().plot(tmp_path / name, y="time")
 
 
 @pytest.mark.parametrize(("with_mesh", "shown"), [(True, [False, True, False]), (False, [True, True, False])])
