@@ -20,12 +20,14 @@ from softffd.lattice import LatticeBox
 from softffd.names import OBSTACLES, part_names
 from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Sensor, Vectors
 from softffd.run.variables import Variables
+from softffd.spelling import did_you_mean, nearest_of
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
 
 HEAD = struct.Struct("<8sd?")  # before the FMU's own bytes of a state: mark, time [s], whether the first step is still to come
 MARK = b"softffd1"
+ASSIGNED = ("forces", "time", "initializing", "component")  # attributes of a Simulation that are assigned as a whole
 SLIVER = 1e-6  # a difference of times that is no more than this part of a communication step is one of rounding
 
 
@@ -155,6 +157,12 @@ class Simulation(Variables):
 
     def __reduce__(self) -> NoReturn:
         raise FmuError("a Simulation is neither copied nor pickled: open another one and restore there what bytes(sim.save()) gives")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name.startswith("_") or name in ASSIGNED):
+            how = '; values are set by name, sim["mass"] = 2, sim.load["push"] = (0, 0, 1)'
+            raise FmuError(f"{name}: a Simulation has no such attribute to assign{did_you_mean(nearest_of(name, ASSIGNED))}{how}")
+        super().__setattr__(name, value)
 
     def __repr__(self) -> str:
         counts = f": {' x '.join(map(str, self.lattice.points))} control points" if self.lattice else ""

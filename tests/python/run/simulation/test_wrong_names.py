@@ -19,6 +19,8 @@ from softffd import FmuError, simulate
         (lambda sim: sim.plane["plate"].raection, "reaction"),
         (lambda sim: sim.plane["plate"].raection[2], "reaction"),
         (lambda sim: setattr(sim.plane["plate"], "poitn", (0, 0, 1)), "point"),
+        (lambda sim: setattr(sim, "forcs", 1), "forces"),
+        (lambda sim: setattr(sim, "force", (0, 0, 1)), "forces"),
         (lambda sim: sim.load.__setitem__("puhs", (0, 0, 1)), "push"),
         (lambda sim: sim.force[3, 3, 4], "force[3,3,3]"),
         (lambda sim: sim.block(["plane.plate.point.zz"]), "plane.plate.point.z"),
@@ -31,6 +33,12 @@ def test_a_wrong_name_is_answered_with_the_nearest_one(sim, wrong, nearest):
     with pytest.raises(FmuError) as refused:
         wrong(sim)
     assert f'did you mean "{nearest}' in str(refused.value)
+
+
+def test_the_parts_are_not_replaced_as_a_whole(sim):
+    with pytest.raises(FmuError, match=r'load: a Simulation has no such attribute to assign; values are set by name, sim\["mass"\] = 2'):
+        sim.load = {"push": (0, 0, 1)}
+    assert set(sim.load) == {"push"}
 
 
 def test_an_unknown_part_without_a_near_one_names_those_there_are(sim):
