@@ -115,6 +115,8 @@ def read_result(path: Path, mesh: Path | None) -> dict[str, Any]:
         _require_one_run(header, **fields)
     except (KeyError, TypeError, *UNREADABLE) as fault:
         raise damaged(path, "result", fault) from None
+    if mesh is not None and not (header.scene and header.scene.keys.get("mesh")):
+        raise SoftffdError(f"mesh: wanted none for {shown(path)}, whose run has no mesh, got {mesh}")
     scene, why = (None, "") if header.scene is None else header.scene.found(header.lattice, path.absolute().parent, mesh)
     return fields | {name: getattr(header, name) for name in TOLD} | {"scene": scene, "sceneless": why}
 

@@ -104,6 +104,12 @@ def test_the_mesh_is_found_below_the_folders_of_the_result_and_of_the_user_or_wh
     np.testing.assert_array_equal(Result.load(kept / "run.npz").deformed(), ball_run.deformed())
 
 
+def test_a_mesh_for_a_run_without_one_is_refused(small, tmp_path):
+    small.save(tmp_path / "run.npz")
+    with pytest.raises(SoftffdError, match=r"mesh: wanted none for .*run\.npz, whose run has no mesh, got nope\.obj"):
+        Result.load(tmp_path / "run.npz", mesh="nope.obj")
+
+
 def test_a_mesh_in_any_other_place_is_not_looked_at(ball_run, tmp_path, monkeypatch):
     ball_run.save(tmp_path / "kept" / "run.npz")
     asked, is_file = [], Path.is_file
