@@ -127,7 +127,10 @@ class _Run(Drive):
 
     def retune(self, row: int) -> int:
         for name, value in self._tuning.pop(row, {}).items():
-            self._component.block([name]).set([value])
+            try:
+                self._component.block([name]).set([value])
+            except FmuError as error:
+                raise FmuError(f"{self._source.where}at {self.times[row]:g} s: {error}") from None
         return min(self._tuning, default=super().retune(row))
 
     def apply(self, row: int) -> None:

@@ -177,6 +177,12 @@ def test_a_column_of_a_tunable_parameter_sets_it_when_it_changes_and_only_then(t
         assert (host.positions == result.positions[-1]).all()
 
 
+def test_a_value_that_a_tunable_parameter_refuses_is_told_with_its_file_and_time(tmp_path):
+    (tmp_path / "soft.csv").write_text("time,stiffness.edge\n0,1000\n0.05,-2000\n")
+    with pytest.raises(FmuError, match=r"soft\.csv: at 0\.05 s: .*stiffness\.edge: wanted >= 0 N/m, got -2000"):
+        simulate("press", stop_time=0.1, inputs=tmp_path / "soft.csv")
+
+
 def test_a_parameter_in_the_first_row_is_a_start_value():
     course = table(time=[0.0, 0.1], **{"stiffness.edge": [400.0, 400.0]})
     result = simulate("press", inputs=course, stop_time=0.1)
