@@ -114,6 +114,8 @@ def _header(where: str, names: list[str], timed: bool) -> list[str]:
     if "" in names:
         ends = ": the line ends with a comma" if names.index("") == len(names) - 1 else ""
         raise FmuError(f"{wanted}, got column {names.index('') + 1} without a name{ends}")
+    if cut := next((name for name in names if "[" in name and "]" not in name), None):
+        raise FmuError(f'{wanted}, got {cut!r}: a name with commas in it stands between quotation marks, "force[0,0,1].z"')
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise FmuError(f"{wanted}, got {twice!r} again")
     return names

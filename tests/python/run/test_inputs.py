@@ -114,6 +114,7 @@ def test_what_is_no_source_is_refused_in_words(source, message):
     [
         ("", "header line"),
         ("time,a\n", "at least one row"),
+        ("time,force[3,3,3].z\n0,1\n", r"line 1: .*got 'force\[3': a name with commas in it stands between quotation marks"),
         ("t,a\n0,1\n", "line 1: wanted a header of `time`.*got 't'"),
         ("Time,a\n0,1\n", "got 'Time' as the first name, did you mean \"time\"?"),
         ("time [s],a\n0,1\n", 'did you mean "time"?'),
