@@ -57,8 +57,11 @@ def read_csv(path: Path, *, timed: bool = True) -> np.ndarray:
     """
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise FmuError(f"{path}: cannot be read: {error}") from None
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise FmuError(f"{path}: wanted a CSV text in UTF-8, got the byte 0x{error.object[error.start]:02x} in line {line}") from None
+    except OSError as error:
+        raise FmuError(f"{path}: cannot be read: {error.strerror or error}") from None
     rows = [(f"{path}: line {n}", _words(path, n, line)) for n, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if len(rows) < 2:
         raise FmuError(f"{path}: wanted a header line ({'time, names of inputs' if timed else 'names'}) and at least one row of numbers")

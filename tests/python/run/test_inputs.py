@@ -139,6 +139,13 @@ def test_a_faulty_file_says_where(tmp_path, text, message):
         Inputs(tmp_path / "in.csv")
 
 
+@pytest.mark.parametrize("coding, words", [("utf-16", "0xff in line 1"), ("latin-1", "0xe9 in line 2")])
+def test_a_file_that_is_not_in_utf_8_is_told_as_such(tmp_path, coding, words):
+    (tmp_path / "a.csv").write_text("time,a\n0,é\n", encoding=coding)
+    with pytest.raises(FmuError, match=rf"a\.csv: wanted a CSV text in UTF-8, got the byte {words}"):
+        Inputs(tmp_path / "a.csv")
+
+
 def test_a_dict_holds_constants_by_variable_or_vector_and_a_function_gives_the_same():
     given = {"load.a": np.array([1.0, 2, 3]), "plane.p.point.z": 4, "pin.p.orientation": [1, 0, 0, 0]}
     for source in (given, lambda time: given | {"load.a": (1, 2 * time, 3)}):
