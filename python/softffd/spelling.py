@@ -28,6 +28,11 @@ def few(names: Sequence[str]) -> str:
     return ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
 
 
+def is_unicode(name: str) -> bool:
+    """False for the name of a file whose bytes are no UTF-8, which Python stands in for with surrogates."""
+    return not any(0xD800 <= ord(letter) < 0xE000 for letter in name)
+
+
 def number_in(word: str) -> float:
     """Returns the number that a word in a file or a command means. Raises ValueError for any other word, and for spellings that only
     Python reads as a number: 1_0, digits of other scripts."""

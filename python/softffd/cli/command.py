@@ -19,6 +19,7 @@ from softffd.cli.options import parse, run_options
 from softffd.errors import Interrupted, SoftffdError
 from softffd.files import require_new, require_writable, size_of
 from softffd.run.progress import ProgressLine
+from softffd.spelling import is_unicode
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -196,7 +197,7 @@ def _new(options: argparse.Namespace) -> None:
     path = Path(options.name if options.name.lower().endswith(".toml") else f"{options.name}.toml")
     if not path.name.removesuffix(".toml").strip(". "):
         raise SoftffdError(f'"{options.name}": wanted the name of a scene, e.g. softffd new mine')
-    if any(0xD800 <= ord(letter) < 0xE000 for letter in options.name):
+    if not is_unicode(options.name):
         raise SoftffdError(f"{os.fsencode(options.name)!r}: wanted a name in UTF-8, e.g. softffd new mine")
     if path.exists():
         raise SoftffdError(f"{path}: exists already; wanted a new name")

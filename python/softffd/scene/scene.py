@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -22,7 +23,7 @@ from softffd.scene.faults import in_file_order, toml_text
 from softffd.scene.keys import OBSTACLES, SceneKeys
 from softffd.scene.rigid import Pin
 from softffd.scene.selection import Selection, flat_indices
-from softffd.spelling import did_you_mean, nearest_of
+from softffd.spelling import did_you_mean, is_unicode, nearest_of
 
 NAMELESS = Path("scene.toml")  # assumed path of a scene without a file
 
@@ -191,6 +192,8 @@ def scene_from(document: Mapping[str, Any], *, path: str | Path = NAMELESS) -> S
 
 def _checked(document: Any, path: Path) -> Draft:
     """Returns the complete, faultless draft of a document. Raises SceneError with all problems."""
+    if not is_unicode(path.stem):  # the FMU's name
+        raise SceneError(_called(path), [f"wanted a file name in UTF-8, got {os.fsencode(path.name)!r}"])
     if not isinstance(document, Mapping):
         raise SceneError(_called(path), [f"wanted a table of sections, got {toml_text(document)}"])
     try:

@@ -1,3 +1,4 @@
+import os
 import re
 import zipfile
 
@@ -5,7 +6,7 @@ import pytest
 
 from softffd.errors import SceneError
 from softffd.scene.document import find_scene, read_document
-from softffd.scene.scene import load_scene
+from softffd.scene.scene import load_scene, scene_from
 
 
 def problem(path):
@@ -85,6 +86,12 @@ def test_a_byte_order_mark_is_no_problem(tmp_path):
 )
 def test_a_name_that_no_file_can_have_is_a_problem_not_a_crash(name, said):
     assert said in problem(name)
+
+
+def test_a_name_that_is_no_utf_8_is_refused(tmp_path):
+    path = tmp_path / os.fsdecode(b"bad\xff.toml")
+    with pytest.raises(SceneError, match=r"wanted a file name in UTF-8, got b'bad\\xff\.toml'"):
+        scene_from({}, path=path)
 
 
 def test_the_file_is_named_relative_to_the_working_directory(tmp_path, monkeypatch):
