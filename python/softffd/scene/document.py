@@ -37,7 +37,7 @@ def find_scene(path_or_name: str | Path) -> Path:
             return path.absolute()
         if shipped := _shipped().get(name):
             return shipped
-        inside = sorted(path.glob("*.toml")) if path.is_dir() else None
+        inside = sorted(path.glob("*.toml")) if str(path_or_name) and path.is_dir() else None
     except (OSError, ValueError) as error:
         raise SceneError(name, [f"cannot be opened: {error}"]) from None
     if inside is not None:
@@ -92,8 +92,10 @@ def _archive(path: Path) -> str:
 
 
 def _missing(path: Path) -> str:
+    if path.is_symlink():
+        return f"wanted a scene file, got a link to {path.readlink()}, which is missing"
     names = shipped_scenes()
-    beside = [str(path.with_name(file.name)) for file in path.parent.glob("*.toml")]
+    beside = list(map(str, path.parent.glob("*.toml")))
     exact = path.stem if path.stem in names else None
     nearest = exact or nearest_of(str(path), beside) or nearest_of(path.stem, names)
     return f"no such file or shipped scene{did_you_mean(nearest) or '.'} Shipped scenes: {', '.join(names)}"

@@ -46,6 +46,11 @@ def test_a_missing_file_hints_at_one_beside_it(tmp_path):
     assert f'did you mean "{path}"?' in problem(tmp_path / "scnee.toml")
 
 
+def test_a_link_to_nothing_is_called_what_it_is(tmp_path):
+    (tmp_path / "dangling.toml").symlink_to("gone.toml")
+    assert problem(tmp_path / "dangling.toml") == "wanted a scene file, got a link to gone.toml, which is missing"
+
+
 def test_a_directory_says_what_it_holds(tmp_path):
     assert problem(tmp_path) == "wanted a scene file, got a directory; it holds no scene (*.toml)"
     written(tmp_path, "")
@@ -82,7 +87,7 @@ def test_a_byte_order_mark_is_no_problem(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name, said", [("", "got a directory"), ("a\0b", "no such file or shipped scene"), ("x" * 5000, "cannot be opened: ")]
+    "name, said", [("", "no such file or shipped scene"), ("a\0b", "no such file or shipped scene"), ("x" * 5000, "cannot be opened: ")]
 )
 def test_a_name_that_no_file_can_have_is_a_problem_not_a_crash(name, said):
     assert said in problem(name)
