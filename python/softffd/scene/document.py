@@ -52,7 +52,7 @@ def read_document(path: Path) -> dict[str, Any]:
     _require_no_mesh(path)
     text = _read_text(path)
     try:
-        return tomllib.loads(text)
+        return tomllib.loads(f"{text}\n")  # without a line end, a fault of the last line would have no place
     except RecursionError:
         problem = "not TOML that can be read: nested too deeply"
     except ValueError as error:

@@ -65,6 +65,7 @@ def test_a_directory_says_what_it_holds(tmp_path):
             "TOML syntax, line 2, column 11: Expected '=' after a key in a key/value pair; the line reads: stiffness 5",
         ),
         ("a = 1\na = 2\n", "TOML syntax, line 2, column 6: Cannot overwrite a value; the line reads: a = 2"),
+        ("a = 1\na = 2", "TOML syntax, line 2, column 6: Cannot overwrite a value; the line reads: a = 2"),
         ("x = [1, 2\n", "TOML syntax: Unclosed array (at end of document)"),
     ],
 )
