@@ -209,7 +209,9 @@ def _contact(draft: Draft) -> Iterator[Fault]:
             yield refused(("contact", "penetration"), 'none with of = "lattice"', contact.penetration, '; it needs of = "surface"')
         return
     if keys.mesh is None and draft.sound("mesh"):
-        yield Fault(("contact", "of"), '"surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead')
+        solid = next((section for section in SOLIDS if getattr(keys, section)), None)
+        instead = f"add one, which the [[{solid}]] needs too" if solid else 'take "lattice" instead'
+        yield Fault(("contact", "of"), f'"surface" needs a mesh, but the scene has no [mesh]; {instead}')
     if method not in MEETING and keys.obstacles:
         yield refused(("solver", "method"), f'{either(MEETING)} with contact.of = "surface"', method)
 

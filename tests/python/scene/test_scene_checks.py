@@ -122,6 +122,8 @@ REFUSED = [
     (ON_SURFACE | {"contact": {"of": "lattice", "penetration": 0.01}},
      'contact.penetration: wanted none with of = "lattice", got 0.01; it needs of = "surface"'),
     ({"contact": {"of": "surface"}}, 'contact.of: "surface" needs a mesh, but the scene has no [mesh]; take "lattice" instead'),
+    ({"contact": {"of": "surface"}, "sphere": [{"name": "ball", "radius": 1.0}]},
+     'contact.of: "surface" needs a mesh, but the scene has no [mesh]; add one, which the [[sphere]] needs too'),
     ({"sphere": [{"name": "ball", "radius": 1.0}]},
      'contact.of: "lattice" supports only planes, but the scene has a [[sphere]]; take "surface", which needs a [mesh]'),
     (ON_SURFACE | {"contact": {"of": "surfaces"}}, 'contact.of: wanted "surface" or "lattice", got "surfaces", did you mean "surface"?'),
