@@ -265,6 +265,16 @@ def test_a_title_that_the_output_cannot_say_is_said_as_far_as_it_can(tmp_path):
     assert (said.returncode, said.stdout.splitlines()[0]) == (0, b"a ? b"), said.stderr
 
 
+@pytest.mark.skipif(not Path("/dev/fd").is_dir(), reason="no pipes with names")
+def test_inputs_may_come_through_a_pipe():
+    reading, writing = os.pipe()
+    os.write(writing, b"time,plane.plate.point.z\n0,4\n")
+    os.close(writing)
+    assert main(["run", "box.toml", "--input", f"/dev/fd/{reading}", "--no-pictures", "-o", "kept"]) == 0
+    os.close(reading)
+    assert Result.load("kept").inputs["plane.plate.point.z"][0] == 4.0
+
+
 def test_no_input_beside_an_input_is_wrong_usage(tmp_path, capsys):
     with pytest.raises(SystemExit, match="2"):
         main(["run", "press", "--no-input", "--input", "none.csv", "-o", str(tmp_path / "a")])

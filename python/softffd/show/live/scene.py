@@ -33,7 +33,9 @@ def live_scene(scene: Scene) -> Scene:
 
 
 def is_recording(path: str | Path) -> bool:
-    """True if a file of inputs is a recording of a live page."""
+    """True if a file of inputs is a recording of a live page. A pipe, which can be read only once, is none."""
+    if not Path(path).is_file():
+        return False
     try:
         with Path(path).open(encoding="utf-8-sig") as stream:
             return stream.readline().startswith(RECORDED)
