@@ -169,6 +169,10 @@ class ByName(dict[str, T]):
             return default
 
 
+MEMBERS = (*"wxyz", "edge", "face", "body")
+"""Last words of the names of a vector's components and of the stiffnesses of the kinds of springs"""
+
+
 def components_in(variables: Container[str], vector: str, letters: Iterable[str] = "wxyz") -> dict[str, str]:
     """Returns, by letter, the names of a vector's components that are among the variables, in either form; empty if there are none."""
     return {c: full for c in letters for between in "._" if (full := f"{vector}{between}{c}") in variables}

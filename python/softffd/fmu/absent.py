@@ -4,7 +4,7 @@ from collections.abc import Collection
 from typing import Any
 
 from softffd.installed import table
-from softffd.names import OBSTACLES, Part, parse_name
+from softffd.names import MEMBERS, OBSTACLES, Part, components_in, parse_name
 from softffd.spelling import did_you_mean, nearest_of
 
 FREE = 'motion = "free" of the part'
@@ -36,10 +36,13 @@ OF_VARIABLES = ("inputs", "outputs")  # sections of the scene whose keys select 
 
 
 def hint_for(name: str, there: Collection[str], choices: Collection[str] | None = None, *, own: bool = True) -> str:
-    """Returns what follows "the FMU has no such variable": what the scene needs for it, else the nearest of `choices`, by default of all
-    names.
+    """Returns what follows "the FMU has no such variable": the members of a group of that name, what the scene needs for it, else the
+    nearest of `choices`, by default of all names.
     """
-    nearest = did_you_mean(nearest_of(name, there if choices is None else choices))
+    choices = there if choices is None else choices
+    if members := components_in(set(choices), name, MEMBERS):
+        return f"; it has {', '.join(members.values())}"
+    nearest = did_you_mean(nearest_of(name, choices))
     if not own or name in there:  # the variable exists, but is not what is wanted
         return nearest
     return _scene_needs(name, there) or (not nearest and _new_part(name)) or _scene_key(name, there) or nearest

@@ -10,7 +10,7 @@ from softffd.errors import FmuError, UnknownName
 from softffd.fmu.block import Block, number_of
 from softffd.fmu.component import Component
 from softffd.fmu.interface import ScalarVariable
-from softffd.names import components_in, vectors_in
+from softffd.names import MEMBERS, components_in, vectors_in
 
 
 class Variables:
@@ -74,7 +74,7 @@ class Variables:
         """Returns the scalar variables that a name means: itself, or its components; for `stiffness` those of the kinds of springs."""
         if name in self.variables:
             return [name]
-        return list(components_in(self.variables, name, (*"wxyz", "edge", "face", "body")).values())
+        return list(components_in(self.variables, name, MEMBERS).values())
 
     def _named(self, name: str) -> list[str]:
         if found := self._components(name) if isinstance(name, str) else []:

@@ -88,6 +88,8 @@ def test_every_need_is_seen():
         ("load.push.x", ': its scene needs a [[load]] with name = "push" for it'),
         ("plane.groun.friction", ', did you mean "plane.ground.friction"?'),
         ("tolerance", ', did you mean "solver.tolerance"?'),
+        ("stiffness", "; it has stiffness.edge, stiffness.face, stiffness.body"),
+        ("plane.ground.point", "; it has plane.ground.point.x, plane.ground.point.y, plane.ground.point.z"),
         ("nothing", ""),
     ],
 )
