@@ -108,12 +108,15 @@ class Inputs:
             variable = component.variable(name)
         except FmuError as error:
             raise FmuError(f"{self.where}{error}") from None
-        if tunable and variable.variability == "tunable" and not (self._steady or self.is_function):
+        tunable = tunable and not (self._steady or self.is_function)
+        if tunable and variable.variability == "tunable":
             return variable
         if variable.causality != "input":
             fixed = is_pose(name) and variable.causality == "parameter"
             hint = "; the scene names it in `inputs` of a plane or pin to make it one" if fixed else ""
-            raise FmuError(f"{self.where}{name}: wanted an input of the FMU, got its {variable.causality} of that name{hint}")
+            wanted = "an input or a tunable parameter" if tunable else "an input"
+            got = f"{variable.variability} parameter" if variable.causality == "parameter" else variable.causality
+            raise FmuError(f"{self.where}{name}: wanted {wanted} of the FMU, got its {got} of that name{hint}")
         if variable.type == "String":
             raise FmuError(f"{self.where}{name}: wanted an input that is a number, got a String; start values set it")
         return variable

@@ -119,7 +119,9 @@ def test_a_rate_of_a_point_leaves_the_velocities_that_are_parameters():
 
 def test_what_is_no_input_is_refused_with_what_makes_it_one(tmp_path):
     fmu = package_fmu(drop(motion="input"), tmp_path / "drop.fmu")
-    with pytest.raises(FmuError, match=r"plane\.ground\.normal\.x: wanted an input of the FMU, got its parameter .* `inputs` of a plane"):
+    with pytest.raises(
+        FmuError, match=r"plane\.ground\.normal\.x: wanted an input of the FMU, got its fixed parameter .* `inputs` of a plane"
+    ):
         simulate(fmu, inputs=lambda time: {"plane.ground.normal.x": time})
 
 

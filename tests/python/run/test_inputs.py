@@ -200,7 +200,7 @@ def test_a_parameter_in_the_first_row_is_a_start_value():
 
 @pytest.mark.parametrize("name", ["mass", "solver.tolerance"])
 def test_a_column_of_a_fixed_parameter_is_refused(name):
-    with pytest.raises(FmuError, match=f"{name}: wanted an input of the FMU, got its parameter"):
+    with pytest.raises(FmuError, match=f"{name}: wanted an input or a tunable parameter of the FMU, got its fixed parameter"):
         simulate("press", inputs=table(time=[0.0, 1.0], **{name: [1.0, 2.0]}), stop_time=0.1)
 
 
