@@ -20,28 +20,41 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
     """Opens a binary stream to a temporary file beside `path`, which replaces `path` when the block ends and is deleted when it fails.
 
     The name of the temporary file cannot be guessed and must be new. Writers of the same file, threads included, therefore do not meet,
-    and no link that somebody has put there is followed. If `path` is a link, it stays one, and its target is replaced. Raises OSError if
-    the folder is missing or may not be written to.
+    and no link that somebody has put there is followed. If `path` is a link, it stays one, and its target is replaced. Raises OSError,
+    which names `path`, if the folder is missing or may not be written to, and SoftffdError if `path` is a folder.
     """
     target = Path(os.path.realpath(path))
+    _require_no_folder(target, path)
     partial = target.with_name(f".softffd-{secrets.token_hex(8)}.partial")
     try:
         with partial.open("xb") as stream:
             yield stream
         os.replace(partial, target)
+    except OSError as error:
+        if error.filename in (partial, str(partial)):
+            error.filename, error.filename2 = str(path), None
+        raise
     finally:
         partial.unlink(missing_ok=True)
+
+
+def _require_no_folder(target: Path, path: str | Path) -> None:
+    if target.is_dir():
+        raise SoftffdError(f"{path}: wanted the name of a file, got a folder")
 
 
 @contextmanager
 def appearing_in(folder: Path) -> Iterator[Path]:
     """Makes a new folder inside `folder`, for a block that writes files into it. When the block ends, the content of the new folder
-    moves up into `folder`, and each file and folder replaces one of the same name; if the block fails, nothing moves. Raises OSError as
-    `replacing` does."""
+    moves up into `folder`, and each file and folder replaces one of the same name; if the block fails, nothing moves. Raises OSError and
+    SoftffdError as `replacing` does."""
     place = folder / f".softffd-{secrets.token_hex(8)}.partial"
     place.mkdir()
     try:
         yield place
+        for made in place.iterdir():
+            if made.is_file():
+                _require_no_folder(folder / made.name, folder / made.name)
         for made in sorted(place.iterdir(), key=lambda each: each.is_file()):  # folders first: a file that lists their files comes later
             if made.is_dir() and (folder / made.name).is_dir():
                 shutil.rmtree(folder / made.name)

@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
+from softffd.errors import SoftffdError
 from softffd.files import appearing_in, replacing, write_bytes, write_text
 
 
@@ -107,6 +108,17 @@ def test_a_name_may_be_as_long_as_the_system_allows(tmp_path):
     assert [len(name) for name in os.listdir(tmp_path)] == [255]
 
 
-def test_a_missing_folder_is_an_error_of_the_system(tmp_path):
-    with pytest.raises(FileNotFoundError):
+def test_a_missing_folder_is_an_error_of_the_system_that_names_the_file(tmp_path):
+    with pytest.raises(FileNotFoundError) as caught:
         write_text(tmp_path / "none" / "x", "")
+    assert caught.value.filename == str(tmp_path / "none" / "x") and ".partial" not in str(caught.value)
+
+
+def test_a_folder_is_not_written_over_by_a_file(tmp_path):
+    (tmp_path / "kept.npz").mkdir()
+    with pytest.raises(SoftffdError, match=r"kept\.npz: wanted the name of a file, got a folder"):
+        write_text(tmp_path / "kept.npz", "")
+    with pytest.raises(SoftffdError, match=r"kept\.npz: wanted the name of a file, got a folder"), appearing_in(tmp_path) as place:
+        (place / "another").write_text("")
+        (place / "kept.npz").write_text("")
+    assert os.listdir(tmp_path) == ["kept.npz"]
