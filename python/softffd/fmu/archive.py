@@ -1,10 +1,11 @@
 """The zip archive of an FMU: writes it, and unpacks what a run needs."""
 
+import re
 import zlib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo, is_zipfile
 
 from softffd.errors import FmuError, SoftffdError
 from softffd.files import replacing, require_writable
@@ -63,9 +64,9 @@ def _is_installed(entry: ZipInfo) -> bool:
     return room == "binaries" and platform in platforms() and (name, entry.CRC, entry.file_size) == _installed()
 
 
-def of_another_machine(folder: Path, identifier: str) -> str | None:
-    """Returns an explanation if an unpacked FMU has a Linux library for another processor, which the system reports as missing; else
-    None."""
+def of_another_machine(path: str, folder: Path, identifier: str) -> str | None:
+    """Returns an explanation if an FMU, unpacked into the folder, has a Linux library for another processor, which the system reports as
+    missing, or libraries for other platforms only; else None."""
     own = platforms()[1]
     for file in folder.glob(f"binaries/*/{identifier}.so"):
         with file.open("rb") as stream:
@@ -73,6 +74,10 @@ def of_another_machine(folder: Path, identifier: str) -> str | None:
         processor = ELF.get(int.from_bytes(head[18:20], "little")) if head.startswith(b"\x7fELF") else None
         if processor and not own.startswith(processor):
             return f"its library {file.relative_to(folder).as_posix()} is for {processor}-linux, this machine is {own}"
+    if is_zipfile(path) and not any(folder.glob(f"binaries/*/{identifier}.*")):
+        with ZipFile(path) as archive:
+            held = sorted({name.split("/")[1] for name in archive.namelist() if re.fullmatch("binaries/[^/]+/.+", name)})
+        return f"wanted a library for {' or '.join(platforms())}, got {', '.join(held) or 'none'}"
     return None
 
 

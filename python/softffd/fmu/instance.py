@@ -61,7 +61,7 @@ class Instance:
                     libraryPath=library,
                 )  # fmt: skip
         except Exception as error:
-            why = of_another_machine(Path(folder), interface.identifier) or error
+            why = of_another_machine(file, Path(folder), interface.identifier) or error
             raise FmuError(f"{file}: cannot be opened as an FMU: {why}") from error
         try:
             slave.instantiate(callbacks=self._callbacks, loggingOn=True)

@@ -1,5 +1,6 @@
 """Where an FMU has its libraries, and where a run finds them, on x86-64 and on ARM."""
 
+import re
 from pathlib import Path
 from zipfile import ZipFile
 
@@ -62,6 +63,15 @@ def test_a_run_on_arm_takes_the_library_of_arm(libraries, tmp_path, monkeypatch,
     with Simulation(file) as simulation:
         simulation.step(0.01)
         assert "aarch64-linux" in simulation.component._library._name and simulation.time == 0.01
+
+
+def test_without_a_library_of_this_platform_an_fmu_says_which_it_has(tmp_path):
+    file = tmp_path / "other.fmu"
+    with ZipFile(package_fmu("press", tmp_path / "press.fmu")) as own, ZipFile(file, "w") as changed:
+        for name in own.namelist():
+            changed.writestr(re.sub("binaries/[^/]+", "binaries/beos", name), own.read(name))
+    with pytest.raises(FmuError, match=r"other\.fmu: cannot be opened as an FMU: wanted a library for \S+ or \S+, got beos$"):
+        Simulation(file)
 
 
 @pytest.mark.skipif(not installed.host_library().read_bytes().startswith(b"\x7fELF\x02\x01\x01"), reason="wants a Linux library")
