@@ -33,7 +33,8 @@ class Component(Instance):
 
     def __init__(self, source: Scene | str | Path, *, running: bool = True):
         if isinstance(source, str | Path) and not Path(source).is_file():
-            raise FmuError(f"{source}: there is no such FMU")
+            got = "wanted an FMU, got a folder" if Path(source).is_dir() else "there is no such FMU"
+            raise FmuError(f"{source}: {got}")
         super().__init__()
         self._unpacked = TemporaryDirectory(prefix="softffd-", ignore_cleanup_errors=True)
         self._folder = self._unpacked.name

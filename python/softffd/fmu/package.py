@@ -149,7 +149,7 @@ def package_fmu(
     from softffd.scene.scene import scene_of  # imports pydantic, which opening an FMU does not need
 
     scene = scene_of(scene, "package_fmu")
-    path = fmu_path(path)
+    path = path_with(".fmu", path)
     if fmi not in (2, 3):
         raise SoftffdError(f"fmi: wanted 2 or 3, got {fmi!r:.70}")
     found = libraries([platforms] if isinstance(platforms, str) else platforms)
@@ -189,11 +189,11 @@ def scene_texts(scene: Scene, fmi: int = 2) -> tuple[dict[str, bytes], list[Vari
     return texts, listed, guid
 
 
-def fmu_path(path: str | Path) -> Path:
-    """Returns the path. Raises SoftffdError if no FMU can be written there: it does not end in .fmu, or is a folder."""
+def path_with(ending: str, path: str | Path) -> Path:
+    """Returns the path. Raises SoftffdError if no file of this ending can be written there: it has another ending, or is a folder."""
     name = f"{path}" or '""'
     if Path(path).is_dir() and str(path):
-        raise SoftffdError(f"{name}: wanted a file name ending in .fmu, got a folder{did_you_mean(str(Path(path) / 'NAME.fmu'))}")
-    if Path(path).suffix.lower() != ".fmu":
-        raise SoftffdError(f"{name}: wanted a file name ending in .fmu{did_you_mean(f'{path}.fmu' if str(path) else None)}")
+        raise SoftffdError(f"{name}: wanted a file name ending in {ending}, got a folder{did_you_mean(str(Path(path) / f'NAME{ending}'))}")
+    if Path(path).suffix.lower() != ending:
+        raise SoftffdError(f"{name}: wanted a file name ending in {ending}{did_you_mean(f'{path}{ending}' if str(path) else None)}")
     return Path(path)

@@ -20,11 +20,10 @@ from softffd.files import replacing, require_writable, seen_from
 from softffd.fmu.archive import require_no_bomb
 from softffd.fmu.interface import read_interface
 from softffd.fmu.model_description import xml_text
-from softffd.fmu.package import package_fmu
+from softffd.fmu.package import package_fmu, path_with
 from softffd.fmu.wiring import Element, Wiring, read_units
 from softffd.scene.kept import KeptScene
 from softffd.scene.scene import Scene, scene_of
-from softffd.spelling import did_you_mean
 
 SSP = "http://ssp-standard.org/SSP1/SystemStructure"
 SPACES = {"ssd": f"{SSP}Description", "ssc": f"{SSP}Common", "ssv": f"{SSP}ParameterValues"}
@@ -74,8 +73,7 @@ def told_ssp(path: Path, *asked: Any) -> list[str]:
 def _write(
     path: Path, components: Mapping[str, Any], connections: Iterable[Sequence[Any]], start_values: Mapping[str, Any], record: Iterable[str]
 ) -> tuple[Path, Wiring]:
-    if path.suffix.lower() != ".ssp" or path.is_dir():
-        raise SoftffdError(f"{path}: wanted a file name ending in .ssp{did_you_mean(f'{path}.ssp')}")
+    path_with(".ssp", path)
     if not isinstance(components, Mapping) or not components:
         raise SoftffdError(f"components: wanted scenes and FMUs by name, as {{'box': scene, 'plate': 'plate.fmu'}}, got {components!r:.70}")
     with TemporaryDirectory(prefix="softffd-") as folder:

@@ -27,7 +27,7 @@ from softffd.embedding.basis import weights
 from softffd.errors import SoftffdError
 from softffd.fmu.interface import elements
 from softffd.fmu.model_description import completed, model_description
-from softffd.fmu.package import fmu_path, scene_masses
+from softffd.fmu.package import path_with, scene_masses
 from softffd.fmu.variables import has_damping, variables
 from softffd.installed import table
 from softffd.lattice import LatticeBox, point_at
@@ -72,7 +72,7 @@ def build_twin(scene: Scene, path: str | Path) -> Path:
             f"material.internal_damping: the twin has none, wanted 0 s in it and all regions, got {_internal_damping(scene):g}"
         )
     builder = _pythonfmu().FmuBuilder
-    path = fmu_path(path)
+    path = path_with(".fmu", path)
     scene = scene.replace({"outputs.energy": False, "outputs.solver": False})
     mass = scene_masses(scene).mass
     content = resolved_scene(scene, mass)

@@ -278,6 +278,8 @@ def test_a_damaged_mesh_gives_one_clear_paragraph(name, tmp_path, capsys):
 def test_missing_files_and_wrong_names_say_what_is_near(quick, capsys):
     assert 'did you mean "car_drop"?' in refused(capsys, "run", "car_dorp")
     assert "nothing.fmu: there is no such FMU" in refused(capsys, "run", "nothing.fmu")
+    Path("folder.fmu").mkdir()
+    assert "folder.fmu: wanted an FMU, got a folder" in refused(capsys, "run", "folder.fmu")
     assert 'did you mean "plane.ground.friction"?' in refused(capsys, "run", "quick.toml", "--set", "plane.ground.frction=1")
     assert "NAME=VALUE" in refused(capsys, "run", "quick.toml", "--set", "mass")
     assert "mass: wanted a number, got 'heavy'" in refused(capsys, "run", "quick.toml", "--set", "mass=heavy")

@@ -128,6 +128,9 @@ def test_an_fmi3_fmu_and_another_ending_are_refused(tmp_path):
     fmu = package_fmu(PARTS["a"], tmp_path / "three.fmu", fmi=3)
     with pytest.raises(SoftffdError, match=r"wanted an FMI 2\.0 co-simulation FMU, got FMI 3\.0"):
         write_ssp(tmp_path / "x.ssp", {"a": fmu}, [])
+    (tmp_path / "d.ssp").mkdir()
+    with pytest.raises(SoftffdError, match=r'd\.ssp: wanted a file name ending in \.ssp, got a folder, did you mean ".*d.ssp.NAME\.ssp"'):
+        write_ssp(tmp_path / "d.ssp", {"a": "press"}, [])
     with pytest.raises(SoftffdError, match=r'wanted a file name ending in \.ssp, did you mean ".*x\.zip\.ssp"'):
         write_ssp(tmp_path / "x.zip", PARTS, [])
 
