@@ -137,8 +137,8 @@ def _stop_time(columns: Columns, given: float | None, step: float | None) -> flo
     if given is None:
         return float(times[-1]) if not step or not step > 0 else math.ceil(times[-1] / step * (1 - STILL)) * step
     if times[-1] > given * (1 + STILL):
-        row = int(np.argmax(times > given * (1 + STILL)))
-        raise FmuError(f"{columns.where}row {row}: its time {times[row]:g} s is behind the run's end, {given:g} s")
+        late = times[times > given * (1 + STILL)][0]
+        raise FmuError(f"{columns.where}time: wanted rows up to the run's end, {given:g} s, got one at {late:g} s: give a later stop time")
     return given
 
 

@@ -209,7 +209,7 @@ def test_an_interrupt_tells_the_best_so_far(curve):
         ({"vary": {"damping": -1.0}}, "vary: damping: wanted a start > 0, for it is positive, got -1"),
         ({"vary": []}, "vary: wanted at least one parameter"),
         ({"against": "plane.press.point.q"}, "against: plane.press.point.q: the FMU has no such variable"),
-        ({"stop_time": 0.2}, "data: row 40: its time 0.2025 s is behind the run's end, 0.2 s"),
+        ({"stop_time": 0.2}, "data: time: wanted rows up to the run's end, 0.2 s, got one at 0.2025 s"),
         ({"start_values": {"damping": 1.0}}, "damping: is varied, so that its start value would be lost"),
         ({"noise": [0.0]}, "noise: wanted a number > 0 for each of 1 tests"),
         ({"jobs": 0}, "jobs: wanted at least 1, got 0"),
