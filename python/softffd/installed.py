@@ -69,10 +69,10 @@ def libraries(platforms: Iterable[str] | None = None) -> dict[str, Path]:
     wanted = list(platforms or [])
     for platform in wanted:
         if platform == WASM:
-            raise SoftffdError(f"--platform {WASM}: that library is for web pages, no FMU contains it; wanted one of {', '.join(found)}")
+            raise SoftffdError(f"platform {WASM}: that library is for web pages, no FMU contains it; wanted one of {', '.join(found)}")
         if platform not in found:
             raise SoftffdError(
-                f"--platform {platform}: this installation has no library for it; it has {', '.join(found)}. "
+                f"platform {platform}: this installation has no library for it; it has {', '.join(found)}. "
                 "Build softffd on that platform, or install a wheel with all platforms: python3 python/run.py release makes one."
             )
     return {name: path for name, path in found.items() if not wanted or name in wanted}

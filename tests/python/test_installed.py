@@ -27,7 +27,7 @@ def test_no_fmu_contains_the_library_for_web_pages(with_wasm, tmp_path, fmi):
 
 
 def test_no_fmu_can_be_asked_to(with_wasm, tmp_path):
-    with pytest.raises(SoftffdError, match="--platform wasm32-wasi: that library is for web pages, no FMU contains it; wanted one of "):
+    with pytest.raises(SoftffdError, match="platform wasm32-wasi: that library is for web pages, no FMU contains it; wanted one of "):
         package_fmu("press", tmp_path / "press.fmu", platforms=["wasm32-wasi"])
 
 

@@ -218,7 +218,7 @@ def _recorded_outputs(component: Component, wanted: Iterable[str] | str | None) 
     """
     by_name = belonging(component.numbers("output"))
     names: set[str] = set()
-    for name in by_name if wanted is None else [wanted] if isinstance(wanted, str) else wanted:
+    for name in by_name if wanted is None else wanted if isinstance(wanted, Iterable) and not isinstance(wanted, str) else [wanted]:
         if (key := structured(str(name))) not in by_name:
             raise _unknown(str(name), component, by_name)
         names.update(by_name[key])

@@ -101,6 +101,8 @@ class Simulation(Variables):
         self.time = one_number("start time", start_time)
         """Time of the communication point [s]"""
         self.initializing = True
+        if not isinstance(values or {}, Mapping):
+            raise FmuError(f"start_values: wanted values by name, such as {{'mass': 2}}, got {values!r:.70}")
         for name, value in {**({} if method is None else {"solver.method": method}), **(values or {})}.items():
             self[name] = value
         if tolerance is not None and not (one_number("tolerance", tolerance) > 0 and math.isfinite(tolerance)):
@@ -193,9 +195,9 @@ class Simulation(Variables):
             component.set_state(state.handle)
             self.time, self.initializing = state.time, state.initializing
             return
-        data = bytes(state)
+        data = bytes(state) if isinstance(state, State | bytes | bytearray | memoryview) else b""
         if len(data) < HEAD.size or not data.startswith(MARK):
-            raise FmuError(f"restore: wanted a state of Simulation.save or its bytes, got {data[:20]!r}")
+            raise FmuError(f"restore: wanted a state of Simulation.save or its bytes, got {state!r:.70}")
         handle = component.state_from(data[HEAD.size :])
         try:
             component.set_state(handle)

@@ -149,7 +149,7 @@ def _readings(component: Component, outputs: Iterable[str] | str | None) -> tupl
     every = component.numbers("output")
     if outputs is None:
         outputs = [name for name in every if not at_point(name)]
-    asked = [outputs] if isinstance(outputs, str) else list(outputs)
+    asked = list(outputs) if isinstance(outputs, Iterable) and not isinstance(outputs, str) else [outputs]
     if not asked:
         raise FmuError("outputs: wanted at least one, such as 'position[0,0,0].z' or 'max(position[0,0,0].z)', got none")
     return tuple(dict.fromkeys(reading for text in asked for reading in _reading(component, str(text), every)))

@@ -31,6 +31,8 @@ def shown(path: Path) -> str:
 
 def find_scene(path_or_name: str | Path) -> Path:
     """Returns the file at that path, else the file of the shipped scene of that name. Raises SceneError if there is neither."""
+    if not isinstance(path_or_name, str | Path):
+        raise SceneError("scene", [f"wanted the path of a scene file, or the name of a shipped scene, got {path_or_name!r:.70}"])
     path, name = Path(path_or_name), str(path_or_name) or '""'
     try:
         if path.is_file():

@@ -291,7 +291,7 @@ def test_missing_files_and_wrong_names_say_what_is_near(quick, capsys):
     assert "wanted a number" in refused(capsys, "run", "quick.toml", "--input", "words.csv")
     Path("broken.fmu").write_bytes(b"PK nonsense")
     assert "cannot be opened" in refused(capsys, "run", "broken.fmu")
-    assert "--platform amiga: this installation has no library for it; it has linux64" in refused(
+    assert "softffd: platform amiga: this installation has no library for it; it has linux64" in refused(
         capsys, "build", "quick.toml", "--platform", "amiga"
     )
 

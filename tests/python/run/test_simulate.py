@@ -93,6 +93,7 @@ def test_tolerance_and_method_are_those_of_the_run():
     "given, message",
     [
         ({"output": ["plane.press.reacton"]}, 'has no such output, did you mean "plane.press.reaction"'),
+        ({"output": 5}, "output: 5: the FMU has no such output"),
         ({"output": ["positions"]}, 'did you mean "position"'),
         ({"output": ["mass"]}, "output: mass: wanted an output of the FMU, got its parameter"),
         ({"start_time": 0.1}, r"stop time: wanted > 0.1 s, the start time, got 0.1 \(in the FMU's default"),

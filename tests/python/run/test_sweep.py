@@ -158,7 +158,8 @@ def test_a_file_of_another_sweep_is_refused(tmp_path):
         ({"mass": [1]}, {"outputs": ["damping"]}, "wanted an output, got the FMU's parameter"),
         ({"mass": [1]}, {"outputs": []}, "outputs: wanted at least one"),
         ({"mass": [1]}, {"start_values": {"dampin": 1}}, 'did you mean "damping"'),
-        ({"mass": [1]}, {"jobs": 0}, "jobs: wanted at least 1"),
+        *[({"mass": [1]}, {"jobs": wrong}, "jobs: wanted a whole number of at least 1") for wrong in (0, "2", 1.5)],
+        ({"mass": [1]}, {"outputs": 5}, "5: wanted an output of the FMU"),
     ],
 )
 def test_wrong_questions_are_refused_before_the_first_run(vary, options, words):

@@ -88,7 +88,13 @@ def test_a_byte_order_mark_is_no_problem(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name, said", [("", "no such file or shipped scene"), ("a\0b", "no such file or shipped scene"), ("x" * 5000, "cannot be opened: ")]
+    "name, said",
+    [
+        (3, "wanted the path of a scene file"),
+        ("", "no such file or shipped scene"),
+        ("a\0b", "no such file or shipped scene"),
+        ("x" * 5000, "cannot be opened: "),
+    ],
 )
 def test_a_name_that_no_file_can_have_is_a_problem_not_a_crash(name, said):
     assert said in problem(name)

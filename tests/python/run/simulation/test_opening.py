@@ -90,6 +90,7 @@ def test_an_fmu_with_the_installed_library_is_opened_without_unpacking_it(monkey
         (3, {}, "wanted a Scene"),
         ("pres", {}, 'did you mean "press"?'),
         *[("press", {"tolerance": wrong}, "tolerance: wanted > 0") for wrong in (0.0, -1.0, float("nan"))],
+        ("press", {"start_values": ["mass"]}, "start_values: wanted values by name, such as {'mass': 2}, got ['mass']"),
         ("press", {"log": True}, "log: wanted a function"),
     ],
 )

@@ -50,7 +50,7 @@ def test_damaged_and_foreign_states_are_refused(sim, held):
     now = sim.positions
     flipped = bytearray(data)
     flipped[len(data) // 2] ^= 1
-    for wrong in (b"", b"nonsense" * 9, bytes(flipped), data[:-1]):
+    for wrong in (10**13, "x", b"", b"nonsense" * 9, bytes(flipped), data[:-1]):
         with pytest.raises(FmuError):
             sim.restore(wrong)
     with pytest.raises(FmuError, match="another scene"):
