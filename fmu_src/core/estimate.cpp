@@ -17,8 +17,8 @@ namespace {
 /// Size of the shadow's steps relative to the run's [1].
 constexpr double finer = 2.0 / 3;
 
-/// True if a stiff body was beside an obstacle in the last communication step, or a damped one beside an obstacle or pinned: the shadow then
-/// follows the same rules.
+/// True if a stiff body was beside an obstacle in the last communication step, or a damped one beside an obstacle or pinned: the shadow
+/// then follows the same rules.
 bool of_impacts(const SoftBody& body) {
   const Reason reason = body.readings().reason();
   const bool damped = reason == Reason::damped_contact || reason == Reason::damped_motion ||
