@@ -76,11 +76,12 @@ double forecast_way(const Equations& equations, const State& state, double H) {
   return H * (largest_speed(state.v) + 0.5 * H * std::sqrt(3.0) * acceleration);
 }
 
-double stiff_way(const Equations& equations, const State& state, double H, double vibration) {
+double BroadPhase::stiff_way(const Equations& equations, const State& state, double H, double vibration) {
   const auto& [body, around] = equations;
   if (!around.pins.empty()) return std::numeric_limits<double>::infinity();
   const RigidMotion now = rigid_motion(body.mass, state.x, state.v);
-  const RigidMotion change = rigid_motion(body.mass, state.x, around.force.colwise() / body.mass);
+  middle_ = around.force.colwise() / body.mass;
+  const RigidMotion change = rigid_motion(body.mass, state.x, middle_);
   const double radius = radius_about(now.centre, state.x);
   const double speed = now.velocity.norm() + radius * now.spin.norm(), acceleration = change.velocity.norm() + radius * change.spin.norm();
   return H * (speed + 0.5 * H * acceleration) + vibration;

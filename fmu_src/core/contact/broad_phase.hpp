@@ -25,13 +25,13 @@ bool off_obstacles(const Body& body, const Drive& around, double t, const Points
 
 /// Forecasts how far a point can move within H, from the present speeds and the outside forces [m].
 double forecast_way(const Equations& equations, const State& state, double H);
-/// Forecasts the same for a body whose deformation changes by at most `vibration` [m], as that of a stiff body; infinite if pins hold it.
-double stiff_way(const Equations& equations, const State& state, double H, double vibration);
 
 class BroadPhase {
  public:
   /// samples: those of the surface if obstacles meet the surface; then the hull of the samples has to stay in front of obstacles.
   explicit BroadPhase(int points, const Samples* samples = nullptr) : samples_(samples), gap_(points), middle_(points, 3) {}
+  /// Forecasts the way of `forecast_way` for a stiff body, whose deformation changes by at most `vibration` [m]; infinite if pins hold it.
+  double stiff_way(const Equations& equations, const State& state, double H, double vibration);
   /// True if a point that moves this way [m] within H could reach an obstacle, by bounds of the obstacles' own motion.
   bool may_touch(const Equations& equations, const State& state, double H, double way);
   /// True if a point is behind an obstacle at t1, or could have been behind one in between, judged by the gaps and speeds at both ends

@@ -83,7 +83,7 @@ bool Propagator::may_touch(const StepContext& context, double H) {
   BroadPhase& broad_phase = integrators_.broad_phase();
   if (!broad_phase.may_touch(equations, motion, H, forecast_way(equations, motion, H))) return false;
   const double vibration = coming_vibration(equations, motion, context.model.time_scale, H);
-  return broad_phase.may_touch(equations, motion, H, stiff_way(equations, motion, H, vibration));
+  return broad_phase.may_touch(equations, motion, H, broad_phase.stiff_way(equations, motion, H, vibration));
 }
 
 void Propagator::find(Want want, const StepContext& context, double H, Facts& facts) {

@@ -87,7 +87,10 @@ std::pair<int, int> count(bool steady, Sees&& sees, Hard&& hard) {
   return {met, seen};
 }
 
-bool may_touch(BroadPhase& reach, const Flight& flight) { return reach.may_touch({flight.body, flight.around}, flight.state, H); }
+bool may_touch(BroadPhase& reach, const Flight& flight) {
+  const Equations equations{flight.body, flight.around};
+  return reach.may_touch(equations, flight.state, H, forecast_way(equations, flight.state, H));
+}
 
 /// What starts behind a plane counts as seen.
 bool passed(BroadPhase& reach, const Flight& flight) {

@@ -99,7 +99,7 @@ struct Result {
 };
 
 inline void accept(OneStep& method, const Scene& s, double h, Result& r) {
-  method.ledger.settle(r.exchange);
+  method.ledger.add_to(r.exchange);
   r.state.x.swap(method.x);
   r.state.v.swap(method.v);
   r.state.time += h;
