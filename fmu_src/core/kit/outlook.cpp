@@ -33,6 +33,8 @@ constexpr double turning_fraction = 0.3;
 constexpr double struck_fraction = 0.5;
 /// Gap relative to the box up to which a ringing body counts as touching in the check for a fall [1]; logarithm of the largest growth.
 constexpr double snug = 1e-4, longest_growth = 20;
+/// Distance from the hinge, relative to the box, up to which a pinned point counts as on it [1].
+constexpr double on_hinge = 1e-9;
 
 }  // namespace thresholds
 
@@ -326,6 +328,37 @@ double lasting_part(const StepContext& context, const State& a, const State& b, 
   return std::min(size, place + grown);
 }
 
+namespace {
+
+/// Largest way [m] by which two states of a body will differ at the end of the run because they swing differently, if pins hold the body
+/// at one point or on a line, about which it swings freely; else 0.
+double swung_apart(const StepContext& context, const State& a, const State& b) {
+  const Body& body = context.model.body;
+  int first = -1, last = -1;
+  double length = 0;
+  for (int p = 0; p < body.points(); ++p) {
+    if (!body.pinned[p]) continue;
+    if (first < 0) first = p;
+    if (const double from_first = (row(b.x, p) - row(b.x, first)).norm(); from_first >= length) last = p, length = from_first;
+  }
+  if (first < 0) return 0;
+  const Vec3 hinge = row(b.x, first), axis = length > 0 ? Vec3((row(b.x, last) - hinge) / length) : Vec3::Zero();
+  const auto arm = [&](int p) { return Vec3(row(b.x, p) - hinge - axis.dot(row(b.x, p) - hinge) * axis); };
+  Vec3 momentum = Vec3::Zero();
+  double inertia = 0, radius = 0;
+  for (int p = 0; p < body.points(); ++p) {
+    const Vec3 from_hinge = arm(p);
+    if (body.pinned[p] && from_hinge.norm() > use::on_hinge * body.length) return 0;
+    momentum += body.mass[p] * from_hinge.cross(row(a.v, p) - row(b.v, p));
+    inertia += body.mass[p] * from_hinge.squaredNorm();
+    radius = std::max(radius, from_hinge.norm());
+  }
+  const Vec3 spin = (length > 0 ? Vec3(axis.dot(momentum) * axis) : momentum) / inertia;
+  return radius * spin.norm() * lasting(context);
+}
+
+}  // namespace
+
 FinalError final_error(const StepContext& context, const State& a, const State& b, const Outlook& ahead, double stretch) {
   const Body& body = context.model.body;
   double error = free_bodies_apart(context, a, b, false);
@@ -333,6 +366,7 @@ FinalError final_error(const StepContext& context, const State& a, const State& 
     if (context.model.memory[i] > 0) error = worse(error, std::abs(a.x.data()[i] - b.x.data()[i]));
   if (context.drive.held()) {
     for (int i = 0; i < a.v.size(); ++i) error = std::max(error, std::abs(a.v.data()[i] - b.v.data()[i]) * context.model.time_scale[i]);
+    error = worse(error, swung_apart(context, a, b));
     if (std::isnan(error)) error = infinity;
     return {.size = error, .lag = error};
   }
