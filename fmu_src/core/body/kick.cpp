@@ -18,6 +18,7 @@ void HalfKicks::prepare(const Body& body, double h) {
   h_ = h;
   version_ = body.version;
   const int n = body.points();
+  weak_damping_ = body.damping;
   for (int p = 0; p < n; ++p) {
     const double m = body.mass[p], d = body.damping[p], half = 0.5 * h, g = d * half / m;
     const bool strong = g > 1;
@@ -31,7 +32,9 @@ void HalfKicks::prepare(const Body& body, double h) {
     }
     opening_mass_[p] = half / open_.b[p];
     closing_mass_[p] = half / close_.b[p];
+    if (strong && !body.pinned[p]) weak_damping_[p] = 0;
   }
+  any_strong_ = (weak_damping_ != body.damping).any();
   for (KickCoefficients* each : {&open_, &close_}) each->find_even();
 }
 

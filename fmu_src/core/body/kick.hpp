@@ -27,7 +27,7 @@ struct KickCoefficients {
 
 class HalfKicks {
  public:
-  explicit HalfKicks(int points) : open_(points), close_(points), opening_mass_(points), closing_mass_(points) {}
+  explicit HalfKicks(int points) : open_(points), close_(points), opening_mass_(points), closing_mass_(points), weak_damping_(points) {}
   /// Coefficients for internal step h; kept while neither h nor the body changes.
   void prepare(const Body& body, double h);
   /// Takes only the masses of the body, for the kicks of damped_kick.hpp.
@@ -44,10 +44,14 @@ class HalfKicks {
   /// the mass.
   const Scalars& opening_mass() const { return opening_mass_; }
   const Scalars& closing_mass() const { return closing_mass_; }
+  /// Point damping of the pinned points and of those with g <= 1, (points) [N s/m]; 0 elsewhere.
+  const Scalars& weak_damping() const { return weak_damping_; }
+  bool any_strong() const { return any_strong_; }  ///< some point that is not pinned has g > 1
 
  private:
   KickCoefficients open_, close_;
-  Scalars opening_mass_, closing_mass_;
+  Scalars opening_mass_, closing_mass_, weak_damping_;
+  bool any_strong_ = false;
   double h_ = -1;
   Count version_ = -1;  ///< of the body
 };

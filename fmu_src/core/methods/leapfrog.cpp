@@ -20,12 +20,27 @@ Vec3 beyond_kick(const StepView& step, int p, const Vec3& from, const Vec3& to, 
   return step.body.mass[p] * (to - from) - kick_of(step, p, damped);
 }
 
-/// Returns the energy that point damping takes in a step from velocities v0 to v1 [J]. The impulse of damping on a point is
+/// Returns the energy that weak point damping takes in a step from velocities v0 to v1 [J]. The impulse of damping on a point is
 /// -(d h/2) (v0 + v1), through contact too, so that its work is exactly -d h |(v0 + v1) / 2|^2.
-double damping_loss(const Body& body, double h, const Points& v0, const Points& v1) {
+double weak_loss(const HalfKicks& kicks, double h, const Points& v0, const Points& v1) {
   double loss = 0;
-  for (int axis = 0; axis < 3; ++axis) loss += (body.damping * (0.5 * (v0.col(axis) + v1.col(axis))).square()).sum();
+  for (int axis = 0; axis < 3; ++axis) loss += (kicks.weak_damping() * (0.5 * (v0.col(axis) + v1.col(axis))).square()).sum();
   return h * loss;
+}
+
+/// Returns the energy that strong point damping takes in the half kicks from v0 to v and from v to v1 [J]: the impulse of each that is not
+/// of the force f = d (v - E v0) / (1 - E), at the mean velocity.
+double strong_loss(const HalfKicks& kicks, const Body& body, double h, const Points& v0, const Points& v, const Points& v1) {
+  double loss = 0;
+  for (int p = 0; p < body.points() && kicks.any_strong(); ++p) {
+    if (kicks.weak_damping()[p] == body.damping[p]) continue;
+    const double g = 0.5 * body.damping[p] * h / body.mass[p], kept = 1 / (1 + g + 0.5 * g * g);
+    const auto taken = [&](const Vec3& from, const Vec3& to) {
+      return 0.5 * body.mass[p] * (g / (1 - kept) * (to - kept * from) - (to - from)).dot(from + to);
+    };
+    loss += taken(row(v0, p), row(v, p)) + taken(row(v, p), row(v1, p));
+  }
+  return loss;
 }
 
 /// True if the energy that damping takes is to be booked.
@@ -152,6 +167,7 @@ StepStatus Leapfrog::close(const StepView& view, PhysicalState& physical) {
   if (around.ramped) around.force_at(view.t1, force_);
   if (!around.pins.empty() || losses(view.body, around)) before_ = state.v;
   kicks_.close(view.spring, view.force, state.v);
+  if (losses(view.body, around)) exchange.dissipated += strong_loss(kicks_, view.body, view.h, start_, before_, state.v);
   if (!around.free.empty()) kick_parts(view, state.free, [&](int p) { return kick_of(view, p, row(before_, p)); });
   if (!around.pins.empty()) {
     const auto impulse = [&](int p, const Vec3& v) { return beyond_kick(view, p, row(before_, p), v, v); };
@@ -165,7 +181,7 @@ StepStatus Leapfrog::close(const StepView& view, PhysicalState& physical) {
   }
   pins_.book(around, state.v, exchange);
   if (losses(view.body, view.around))
-    exchange.dissipated += damping_loss(view.body, view.h, start_, state.v) + dashpot_loss(view, state, before_);
+    exchange.dissipated += weak_loss(kicks_, view.h, start_, state.v) + dashpot_loss(view, state, before_);
   return StepStatus::ok;
 }
 

@@ -116,3 +116,9 @@ def test_work_of_forces_is_force_times_way():
     result = simulate(watched(damping=0.2, load=[PUSH]), start_values={"load.push.x": 20.0})
     way = points(result)[:, ::4, 0].mean(axis=1)
     assert result.outputs["energy.work"] == pytest.approx(20.0 * way, abs=1e-11)
+
+
+def test_strong_drag_takes_the_kinetic_energy_and_no_more():
+    """Drag stops each point within a thirtieth of an internal step."""
+    result = simulate(watched(points=[3, 3, 3], damping=100.0, gravity=[0.0, 0.0, 0.0], velocity=[3.0, 0.0, 0.0], step=0.01, stop_time=0.1))
+    assert result.outputs["energy.dissipated"][-1] == pytest.approx(4.5, rel=1e-12)
