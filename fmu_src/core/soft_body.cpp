@@ -213,17 +213,16 @@ StepStatus SoftBody::clear_jumps(bool& moved) {
 }
 
 bool SoftBody::place_pins(bool book) {
-  bool moved = false;
+  bool moved = struck_ = false;
   State& motion = now_.physical.motion;
   Exchange& exchange = now_.physical.exchange;
   drive_.visit_pinned(motion.time, [&](const PinnedPoint& held) {
     const int p = held.point;
     const Vec3 x = held.place(), v = held.velocity();
-    if (book) {
-      const Vec3 impulse = model_.body.mass[p] * (v - row(motion.v, p));
-      exchange.push(exchange.pins[held.pin], impulse, held.arm, 0.5 * (v + row(motion.v, p)));
-    }
+    const Vec3 before = row(motion.v, p);
+    if (book) exchange.push(exchange.pins[held.pin], model_.body.mass[p] * (v - before), held.arm, 0.5 * (v + before));
     moved = moved || x != row(motion.x, p);
+    struck_ = struck_ || v != before;
     set_row(motion.x, p, x);
     set_row(motion.v, p, v);
   });
@@ -312,7 +311,7 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
                         .step = settings.step,
                         .horizon = settings.horizon,
                         .jolt = jump > thresholds::jolt * drive_.force.abs().maxCoeff(),
-                        .stirs = changed || jump > 0 || drive_.ramped || std::ranges::any_of(drive_.pins, &Pin::moves),
+                        .stirs = changed || moved || struck_ || jump > 0 || drive_.ramped || std::ranges::any_of(drive_.pins, &Pin::moves),
                         .step_factor = step_factor * settings.step_factor};
   if (definition_.solids && stand_ins && drive_.free.empty()) let_half_spaces_stand(model_.body, drive_, motion, H);
   const StepStatus ran = propagator_.advance({model_, drive_, request, now_}, H);

@@ -134,6 +134,7 @@ class SoftBody {
   Material material_;     ///< the material in effect
   mutable Shown shown_positions_, shown_velocities_;
   double start_time_ = 0;  ///< [s]
+  bool struck_ = false;    ///< pins changed the velocity of points at once then
   bool moved_ = false;     ///< pins or planes moved points at once when the last communication step began
 };
 

@@ -1,5 +1,6 @@
 /// Pins: control points attached to a rigid frame, fixed or moved by input.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -40,7 +41,8 @@ struct Pin : PinMotion {
 
   Frame at(double time) const;
   bool moves() const {
-    return !(velocity.isZero(0) && angular_velocity.isZero(0) && acceleration.isZero(0) && angular_acceleration.isZero(0));
+    const auto none = [](const auto& each) { return std::ranges::all_of(each, [](double value) { return value == 0; }); };
+    return !(none(velocity) && none(angular_velocity) && none(acceleration) && none(angular_acceleration) && none(orientation_rate));
   }
   /// Returns the frame of the free part in this state.
   Frame frame_of(const FreeState& state) const;

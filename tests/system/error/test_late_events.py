@@ -48,14 +48,15 @@ def test_a_load_that_comes_later(force, exact, interpolation, factor):
     assert np.abs(result.positions[:, 0, 0, 1, 2] - 1 - exact(result.time)).max() < 3 * factor * TOLERANCE
 
 
-def test_a_pin_that_begins_to_move():
-    """At 1 m/s, from 0.3 s on."""
+def test_a_pin_that_begins_to_move_and_stops():
+    """At 1 m/s, from 0.3 s to 0.6 s."""
     wall = {"name": "wall", "points": "z-", "motion": "input", "inputs": ["position", "velocity"]}
     scene = box(**IN_A_ROW, stiffness={"edge": STIFFNESS, "face": 0.0, "body": 0.0}, pin=[wall])
-    moves = {"pin.wall.velocity.z": lambda t: float(t > 0.295), "pin.wall.position.z": lambda t: max(0.0, t - 0.3)}
+    moves = {"pin.wall.velocity.z": lambda t: float(0.295 < t < 0.595), "pin.wall.position.z": lambda t: np.clip(t - 0.3, 0.0, 0.3)}
     result = simulate(scene, stop_time=1.0, step=STEP, inputs=lambda t: {name: at(t) for name, at in moves.items()})
-    since = np.maximum(result.time - 0.3, 0.0)
-    assert np.abs(result.positions[:, 0, 0, 1, 2] - 1 - since + np.sin(OMEGA * since) / OMEGA).max() < 3 * TOLERANCE
+    begun, stopped = (np.maximum(result.time - at, 0.0) for at in (0.3, 0.6))
+    exact = begun - np.sin(OMEGA * begun) / OMEGA - (stopped - np.sin(OMEGA * stopped) / OMEGA)
+    assert np.abs(result.positions[:, 0, 0, 1, 2] - 1 - exact).max() < 3 * TOLERANCE
 
 
 @pytest.mark.parametrize(("stiffness", "length"), [(1e4, 0.01), (1e5, 0.05), (1e6, 0.1), (1e8, 0.1)])
