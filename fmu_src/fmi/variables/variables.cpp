@@ -134,7 +134,7 @@ std::string Variables::name(fmi2ValueReference reference) const {
   const int own = member(*variable);
   std::string text(info.name);
   const std::size_t element = standard_ == Standard::fmi3 ? element_number(reference) : 0;
-  if (element > 0) text.resize(std::min(text.find("[{i}"), text.find(".{c}")));
+  if (element > 0) text.resize(std::min({text.size(), text.find("[{i}"), text.find(".{c}")}));
   if (part.of_points) {
     const auto& counts = scene_.definition.lattice.counts;
     replace(text, "{i}", std::to_string(own % counts[0]));
