@@ -306,12 +306,13 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   if (!all_finite(now_.energy)) return StepStatus::not_finite;  // squares of the forces overflow
   drive_.damping_unwatched = !definition_.watch_energy;         // the energy account does not need the damping
   drive_.watch = definition_.watch_energy || (watched && drive_.ramped);
+  const double by_loads = jump > 0 || drive_.ramped ? may_set_off(model_, drive_, *now_.outside, H) : 0;
   const Request request{.method = settings.method,
                         .tolerance = settings.tolerance * model_.body.length,
                         .step = settings.step,
                         .horizon = settings.horizon,
                         .jolt = jump > thresholds::jolt * drive_.force.abs().maxCoeff(),
-                        .stirs = changed || moved || struck_ || jump > 0 || drive_.ramped || std::ranges::any_of(drive_.pins, &Pin::moves),
+                        .stirs = changed || moved || struck_ || std::ranges::any_of(drive_.pins, &Pin::moves) ? infinity : by_loads,
                         .step_factor = step_factor * settings.step_factor};
   if (definition_.solids && stand_ins && drive_.free.empty()) let_half_spaces_stand(model_.body, drive_, motion, H);
   const StepStatus ran = propagator_.advance({model_, drive_, request, now_}, H);

@@ -248,6 +248,7 @@ struct ControllerState {
   double work = 0;       ///< work since the start, in evaluations of the spring forces
   double usual = 0;      ///< length of recent communication steps [s]
   double vibration = 0;  ///< size of the vibrations that fixed steps and methods were last chosen for [m]
+  double stirred = 0;    ///< size of those that may have been set off since [m]
   Count rejected = 0;
   Count factors = 0;  ///< matrices factored
   Neighbour neighbour{};
@@ -274,7 +275,7 @@ struct ControllerState {
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.bound_x, s.bound, s.damping_bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.in_contact,
-                  s.method, s.reason, s.trials, s.work, s.usual, s.vibration, s.rejected, s.factors, s.neighbour);
+                  s.method, s.reason, s.trials, s.work, s.usual, s.vibration, s.stirred, s.rejected, s.factors, s.neighbour);
   }
 };
 static_assert(visits_every_field<ControllerState>);

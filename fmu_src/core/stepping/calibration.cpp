@@ -58,6 +58,7 @@ double Calibrator::calibrate(Integrators& integrators, const StepContext& contex
   const double vibration = coming_vibration(context.equations(), context.run.physical.motion, context.model.time_scale, H);
   const bool harmless = vibration <= allowed;
   context.run.control.vibration = vibration;
+  context.run.control.stirred = 0;
   double h = std::min({H, step_limit(context, method, false), calibration.h > 0 ? calibration.h : infinity}), work = 0;
   for (int round = 0; round < rounds && !harmless; ++round) {
     const Count steps = std::min(divisions(window, h), most);

@@ -23,6 +23,8 @@ constexpr double usual_decay = 0.8;
 constexpr double overrun = 2.5;
 /// Trials are due at once if vibrations become larger by this factor than those that they were made for [1].
 constexpr double more_vibration = 2;
+/// A body's deformation limits its way only in communication steps longer than its largest time scale by this factor [1].
+constexpr double stiff_step = 10;
 
 }  // namespace thresholds
 
@@ -33,8 +35,12 @@ namespace use = thresholds;
 /// Vibrations that the outside sets off need other steps than those before them, also if the next trials are not due yet.
 void look_for_vibration(const StepContext& context, double H) {
   ControllerState& control = context.run.control;
+  const double slight = use::forecast_tolerance * context.request.tolerance;
+  control.stirred += context.request.stirs;
+  if (control.stirred <= std::max(control.vibration, slight)) return;
+  control.stirred = 0;
   const double vibration = coming_vibration(context.equations(), context.run.physical.motion, context.model.time_scale, H);
-  if (!(vibration > use::more_vibration * control.vibration && vibration > use::forecast_tolerance * context.request.tolerance)) return;
+  if (!(vibration > use::more_vibration * control.vibration && vibration > slight)) return;
   control.vibration = vibration;
   control.doubt_steps();
 }
@@ -44,7 +50,7 @@ void look_for_vibration(const StepContext& context, double H) {
 StepStatus Propagator::advance(const StepContext& context, double H) {
   ControllerState& control = context.run.control;
   control.usual = std::max(H, use::usual_decay * control.usual);
-  if (context.request.stirs && !(context.request.step > 0)) look_for_vibration(context, H);
+  if (!(context.request.step > 0)) look_for_vibration(context, H);
   if (!plans_every_given_step(facts(context, H))) return advance_planned(context, H);
   const Clock& clock = context.run.physical.clock;
   for (Count left = counted_units(context.request, H); left > 0; --left) {
@@ -82,6 +88,8 @@ bool Propagator::may_touch(const StepContext& context, double H) {
   const Equations equations = context.equations();
   BroadPhase& broad_phase = integrators_.broad_phase();
   if (!broad_phase.may_touch(equations, motion, H, forecast_way(equations, motion, H))) return false;
+  const bool soft = H < use::stiff_step * context.model.time_scale.maxCoeff();
+  if (soft || broad_phase.may_touch(equations, motion, H, 0)) return true;
   const double vibration = coming_vibration(equations, motion, context.model.time_scale, H);
   return broad_phase.may_touch(equations, motion, H, broad_phase.stiff_way(equations, motion, H, vibration));
 }

@@ -74,6 +74,17 @@ double vibration(const Equations& equations, const State& state, const Scalars& 
   return size(equations, state, time_scale, true, std::numeric_limits<double>::infinity(), Vec3::Zero());
 }
 
+double may_set_off(const Model& model, const Drive& drive, const Points& before, double H) {
+  if (drive.bent) return std::numeric_limits<double>::infinity();
+  double most = 0;
+  for (Eigen::Index i = 0; i < before.size(); ++i) {
+    const double change =
+        std::abs(drive.force.data()[i] - before.data()[i]) + (drive.ramped ? std::abs(H * drive.force_rate.data()[i]) : 0);
+    if (change > 0) most = worse(most, change * model.body.inverse_mass[i] * (times * model.time_scale[i]) * (times * model.time_scale[i]));
+  }
+  return 2 * most;
+}
+
 double coming_vibration(const Equations& equations, State& state, const Scalars& time_scale, double left) {
   const double now = vibration(equations, state, time_scale);
   if (!equations.around.ramped) return now;

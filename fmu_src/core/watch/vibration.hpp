@@ -13,6 +13,8 @@ namespace softffd {
 double vibration(const Equations& equations, const State& state, const Scalars& time_scale);
 /// Returns the same for the forces at both ends of what is left [s] of a communication step, whichever is larger. state.time is restored.
 double coming_vibration(const Equations& equations, State& state, const Scalars& time_scale, double left);
+/// Returns how large vibrations the change of the forces from `before` [N] to those until the end of a step of H [s] may set off [m].
+double may_set_off(const Model& model, const Drive& drive, const Points& before, double H);
 /// Returns the same for the present motion of control points whose time scale is below `slowest` [s]: without the extensions, which may be
 /// at rest, and without the acceleration that a free body has as a whole [m].
 double present_vibration(const Equations& equations, const State& state, const Scalars& time_scale, double slowest);
