@@ -32,7 +32,8 @@ double weak_loss(const HalfKicks& kicks, double h, const Points& v0, const Point
 /// of the force f = d (v - E v0) / (1 - E), at the mean velocity.
 double strong_loss(const HalfKicks& kicks, const Body& body, double h, const Points& v0, const Points& v, const Points& v1) {
   double loss = 0;
-  for (int p = 0; p < body.points() && kicks.any_strong(); ++p) {
+  if (!kicks.any_strong()) return loss;
+  for (int p = 0; p < body.points(); ++p) {
     if (kicks.weak_damping()[p] == body.damping[p]) continue;
     const double g = 0.5 * body.damping[p] * h / body.mass[p], kept = 1 / (1 + g + 0.5 * g * g);
     const auto taken = [&](const Vec3& from, const Vec3& to) {

@@ -40,6 +40,7 @@ struct Pin : PinMotion {
   const FreeMotion* own = nullptr;  ///< motion of a free part, which replaces all of PinMotion
 
   Frame at(double time) const;
+  /// True if inputs or parameters move the frame during a communication step.
   bool moves() const {
     const auto none = [](const auto& each) { return std::ranges::all_of(each, [](double value) { return value == 0; }); };
     return !(none(velocity) && none(angular_velocity) && none(acceleration) && none(angular_acceleration) && none(orientation_rate));

@@ -125,7 +125,7 @@ StepStatus DampedSteps::run(Integrators& integrators, const StepContext& context
   ControllerState& control = context.run.control;
   DampedRecord& record = control.damped;
   const State& motion = context.run.physical.motion;
-  const double begin = motion.time, longest = (end - begin) * context.request.step_factor;
+  const double begin = motion.time, longest = (end - begin) * context.request.step_factor;  // of the whole: what is left shrinks
   const Count rejected = control.rejected;
   bool opens = false;  // the first step was cut to that of the communication step before
   while (motion.time < end) {

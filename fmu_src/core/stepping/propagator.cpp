@@ -83,6 +83,8 @@ Facts Propagator::facts(const StepContext& context, double H) const {
   return facts;
 }
 
+/// True if a point could reach an obstacle within H. Forces over masses alone put every obstacle within reach of a stiff body in a long
+/// step: what holds its points together bounds their way, too.
 bool Propagator::may_touch(const StepContext& context, double H) {
   State& motion = context.run.physical.motion;
   const Equations equations = context.equations();

@@ -11,13 +11,15 @@ namespace softffd {
 /// displacements by the present accelerations, including those from which a turning body is held back only by its springs [m]; infinite
 /// unless all is finite. time_scale: (3 * points) [s].
 double vibration(const Equations& equations, const State& state, const Scalars& time_scale);
-/// Returns the same for the forces at both ends of what is left [s] of a communication step, whichever is larger. state.time is restored.
-double coming_vibration(const Equations& equations, State& state, const Scalars& time_scale, double left);
-/// Returns how large vibrations the change of the forces from `before` [N] to those until the end of a step of H [s] may set off [m].
-double may_set_off(const Model& model, const Drive& drive, const Points& before, double H);
 /// Returns the same for the present motion of control points whose time scale is below `slowest` [s]: without the extensions, which may be
 /// at rest, and without the acceleration that a free body has as a whole [m].
 double present_vibration(const Equations& equations, const State& state, const Scalars& time_scale, double slowest);
+/// Returns `vibration` for the forces at both ends of what is left [s] of a communication step, the larger of the two. state.time is
+/// restored.
+double coming_vibration(const Equations& equations, State& state, const Scalars& time_scale, double left);
+/// Returns how large the vibrations are at most that a change of the outside forces sets off, from `before` [N] to those until the end of a
+/// communication step of H [s], measured as `vibration` measures them [m].
+double may_set_off(const Model& model, const Drive& drive, const Points& before, double H);
 
 /// Returns the size of vibrations of this energy [J] with time scales up to `slowest` [s], spread over the body [m].
 double amplitude(const Model& model, double energy, double slowest);
