@@ -14,13 +14,6 @@
 
 namespace softffd {
 
-namespace thresholds {
-
-/// If the outside forces change between two communication steps by more than this fraction of their size, that is a jolt [1].
-constexpr double jolt = 0.01;
-
-}  // namespace thresholds
-
 namespace {
 
 /// True if any number is not 0. A sum takes several numbers at a time, isZero() takes them one by one.
@@ -311,7 +304,6 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
                         .tolerance = settings.tolerance * model_.body.length,
                         .step = settings.step,
                         .horizon = settings.horizon,
-                        .jolt = jump > thresholds::jolt * drive_.force.abs().maxCoeff(),
                         .stirs = changed || moved || struck_ || std::ranges::any_of(drive_.pins, &Pin::moves) ? infinity : by_loads,
                         .step_factor = step_factor * settings.step_factor};
   if (definition_.solids && stand_ins && drive_.free.empty()) let_half_spaces_stand(model_.body, drive_, motion, H);

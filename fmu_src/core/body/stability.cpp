@@ -10,9 +10,10 @@ namespace {
 
 /// Squared frequencies below this value belong to points without springs [1/s2].
 constexpr double no_frequency = 1e-300;
-/// Ratio of the upper bound of the largest frequency to the geometric mean of the uniform lattice's lowest and highest frequency [1]; time
-/// scale of points that hardly anything holds [s].
-constexpr double bound_to_mean = 4.3, longest = 100;
+/// Ratio of the upper bound of the largest frequency to the geometric mean of the uniform lattice's lowest and highest frequency [1].
+constexpr double bound_to_mean = 4.3;
+/// Largest time scale: of bodies that nothing holds [s], and of points that hardly anything holds, relative to the body's smallest [1].
+constexpr double longest = 100, longest_ratio = 1e7;
 
 }  // namespace
 
@@ -26,9 +27,11 @@ void Stability::prepare(const Body& body) {
 
 void Stability::time_scales(const Body& body, Scalars& scales) const {
   const int n = body.points();
+  const auto scale = [](double squared) { return bound_to_mean / std::sqrt(squared); };
+  const double largest = (any_.weighted / body.mass).maxCoeff(), most = largest > no_frequency ? longest_ratio * scale(largest) : longest;
   for (int i = 0; i < 3 * n; ++i) {
     const double squared = any_.weighted[i % n] / body.mass[i % n];
-    scales[i] = std::min(bound_to_mean / std::sqrt(std::max(squared, no_frequency)), longest);
+    scales[i] = std::min(scale(std::max(squared, no_frequency)), most);
   }
 }
 

@@ -147,7 +147,8 @@ void set_beside(const StepContext& context, const State& begin, State& beside, d
   neighbour.began = begin.time;
 }
 
-/// What remains of a difference of velocities if the body stays on its obstacle: the part along it, until friction stops the body.
+/// What remains of a difference of velocities if the body stays on its obstacle: the part along it, until friction stops the body or the
+/// run ends.
 Drift sliding_apart(const StepContext& context, const Vec3& velocity) {
   const State& motion = context.run.physical.motion;
   const Outlook ahead = outlook(context, motion);
@@ -155,7 +156,8 @@ Drift sliding_apart(const StepContext& context, const Vec3& velocity) {
   const RigidMotion rigid = rigid_motion(context.model.body.mass, motion.x, motion.v);
   const double speed = tangential(ahead.normal, velocity).norm(), grip = nearest.plane->friction * ahead.pressing;
   if (ahead.slides_on() || !(grip > 0)) return {.speed = speed};
-  return {.place = speed * tangential(ahead.normal, rigid.velocity - nearest.obstacle.material_velocity(rigid.centre)).norm() / grip};
+  const double slip = tangential(ahead.normal, rigid.velocity - nearest.obstacle.material_velocity(rigid.centre)).norm();
+  return {.place = speed * std::min(slip / grip, left_of_run(context))};
 }
 
 }  // namespace

@@ -113,14 +113,25 @@ double turning_limit(const StepContext& context, const Points& x, const Points& 
                  tighter(std::sqrt(thresholds::straight_turn / (bound(context) * fastest)), thresholds::straight_angle / fastest));
 }
 
+double position_rounding(const StepContext& context) {
+  const Points& x = context.run.physical.motion.x;
+  return thresholds::rounding * std::max(context.model.body.length, kernels::largest(x.size(), x.data()));
+}
+
+double rounding_by_end(const StepContext& context) {
+  const double place = position_rounding(context);
+  return context.drive.held() ? place : place * (1 + left_of_run(context) * bound(context));
+}
+
 double growing(const StepContext& context, const State& a, const State& b, double stretch) {
   const Scalars &time_scale = context.model.time_scale, &memory = context.model.memory;
   const auto times = [&](double lasts) { return stretches_in(context, lasts, stretch); };
+  const double same = position_rounding(context);
   double error = free_bodies_apart(context, a, b, true) * times(infinity);
   for (int i = 0; i < memory.size(); ++i) {
     const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]) * time_scale[i];
     if (!(dx < infinity && dv < infinity)) return infinity;
-    error = std::max(error, std::max(dx, dv) * times(memory[i]));
+    error = std::max(error, std::max(dx - same, dv) * times(memory[i]));
   }
   return error;
 }

@@ -19,6 +19,10 @@ double shortest_in_contact(const StepContext& context, double limit);
 /// The springs throw the points back with (omega h) times the speed of turning, so that the energy of the rotation errs by about (omega h
 /// spin h)^2. Where pins turn, the forces on the pins err likewise.
 double turning_limit(const StepContext& context, const Points& x, const Points& v);
+/// Difference of positions that is rounding [m].
+double position_rounding(const StepContext& context);
+/// Final error by rounding alone [m]: that of the positions, and that of the velocities by forces at rounded positions.
+double rounding_by_end(const StepContext& context);
 /// Final error of states a and b, which were reached from one state over the same sub-interval `stretch` [s], if their difference keeps
 /// growing until damping forgets it [m]; infinite if a difference is not finite.
 double growing(const StepContext& context, const State& a, const State& b, double stretch);

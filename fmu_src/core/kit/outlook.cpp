@@ -334,10 +334,11 @@ namespace {
 /// at one point or on a line, about which it swings freely; else 0.
 double swung_apart(const StepContext& context, const State& a, const State& b) {
   const Body& body = context.model.body;
+  const std::vector<bool>& held = body.prescribed();  // points that a free part carries move with it
   int first = -1, last = -1;
   double length = 0;
   for (int p = 0; p < body.points(); ++p) {
-    if (!body.pinned[p]) continue;
+    if (!held[p]) continue;
     if (first < 0) first = p;
     if (const double from_first = (row(b.x, p) - row(b.x, first)).norm(); from_first >= length) last = p, length = from_first;
   }
@@ -348,7 +349,7 @@ double swung_apart(const StepContext& context, const State& a, const State& b) {
   double inertia = 0, radius = 0;
   for (int p = 0; p < body.points(); ++p) {
     const Vec3 from_hinge = arm(p);
-    if (body.pinned[p] && from_hinge.norm() > use::on_hinge * body.length) return 0;
+    if (held[p] && from_hinge.norm() > use::on_hinge * body.length) return 0;
     momentum += body.mass[p] * from_hinge.cross(row(a.v, p) - row(b.v, p));
     inertia += body.mass[p] * from_hinge.squaredNorm();
     radius = std::max(radius, from_hinge.norm());

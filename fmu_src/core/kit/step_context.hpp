@@ -14,7 +14,6 @@ struct Request {
   double tolerance = 1e-4;  ///< error aimed at, at the end of the run [m]
   double step = 0;          ///< internal step [s]; 0: by stability and tolerance
   double horizon = 1;       ///< length of the run [s], over which errors add up
-  bool jolt = false;        ///< the outside forces have jumped since the last communication step
   double stirs = 0;         ///< size of the vibrations that changes from outside may set off in this step [m]
   double step_factor = 1;   ///< factor of the internal step that would be taken otherwise
 };

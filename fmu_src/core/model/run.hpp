@@ -34,12 +34,11 @@ constexpr Reason last(Reason) { return Reason::damped_motion; }
 struct Calibration {
   double h = 0;       ///< largest step that keeps the tolerance [s]; 0: not known yet
   double due = 0;     ///< work at which the next calibration is due
-  double soon = 0;    ///< the same after a jolt
   double window = 0;  ///< length of the last trial [s]: a much shorter one teaches little
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.h, s.due, s.soon, s.window);
+    return fields(s.h, s.due, s.window);
   }
 };
 static_assert(visits_every_field<Calibration>);
@@ -196,14 +195,13 @@ struct TrialRecord {
   Method winner = Method::automatic;  ///< automatic: none yet
   Reason reason = Reason::least_work;
   double due = 0;       ///< work at which the next trial runs are due
-  double soon = 0;      ///< the same after a jolt
   double pause = 1;     ///< work until the next trial runs, in multiples of the trial runs' own work
   double window = 0;    ///< communication step of the last trial runs [s]
   double forecast = 0;  ///< forecast of the winner's work for what is left of the communication step
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.winner, s.reason, s.due, s.soon, s.pause, s.window, s.forecast);
+    return fields(s.winner, s.reason, s.due, s.pause, s.window, s.forecast);
   }
 };
 static_assert(visits_every_field<TrialRecord>);
@@ -266,8 +264,8 @@ struct ControllerState {
   }
   /// Makes all trials due at once: vibrations have become larger than those that steps were chosen for.
   void doubt_steps() {
-    for (Calibration& each : calibrations) each.due = each.soon = 0;
-    trials.due = trials.soon = 0;
+    for (Calibration& each : calibrations) each.due = 0;
+    trials.due = 0;
     contact.free = contact.impact = 0;
     contact.free_next = contact.impact_next = 1;
   }

@@ -15,8 +15,8 @@ namespace thresholds {
 
 /// Largest number of steps of the coarser run: leapfrog, bm4.
 constexpr Count calibration_steps = 40, calibration_steps_bm4 = 16;
-/// Work between two calibrations, in multiples of a calibration's own work [1], so that they cost at most a tenth of a run; after a jolt.
-constexpr double calibration_pause = 10, calibration_pause_after_jolt = 3;
+/// Work between two calibrations, in multiples of a calibration's own work [1], so that they cost at most a tenth of a run.
+constexpr double calibration_pause = 10;
 /// A calibration is good enough if it changes the step by a factor above this: its extrapolation then follows the method's order [1].
 constexpr double calibrated = 0.35;
 /// Bounds of the factor by which one calibration may change the step [1].
@@ -39,13 +39,13 @@ double next_factor(double allowed, double error, int order) {
 
 }  // namespace
 
-bool Calibrator::due(const StepContext& context, Method method, double H, bool jolt) const {
+bool Calibrator::due(const StepContext& context, Method method, double H) const {
   const ControllerState& control = context.run.control;
   const Calibration& calibration = context.run.control.calibration(method);
   if (calibration.h == 0) return true;
   if (H < use::sliver * control.usual) return false;
   const double window = context.model.stability.any_frequency() > 0 ? std::min(H, use::calibration_window / bound(context)) : H;
-  return control.work >= (jolt ? calibration.soon : calibration.due) || use::sliver * window > calibration.window;
+  return control.work >= calibration.due || use::sliver * window > calibration.window;
 }
 
 double Calibrator::calibrate(Integrators& integrators, const StepContext& context, Method method, double H, int rounds) {
@@ -71,10 +71,8 @@ double Calibrator::calibrate(Integrators& integrators, const StepContext& contex
     h = calibration.h;
   }
   if (harmless) calibration.h = infinity;
-  const double done = context.run.control.work;
   calibration.window = window;
-  calibration.soon = done + std::max(use::calibration_pause_after_jolt * work, use::shortest_pause);
-  calibration.due = done + std::max(use::calibration_pause * work, use::shortest_pause);
+  calibration.due = context.run.control.work + std::max(use::calibration_pause * work, use::shortest_pause);
   return work;
 }
 

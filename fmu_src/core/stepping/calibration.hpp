@@ -16,7 +16,7 @@ class Calibrator {
   explicit Calibrator(const Run& run) : start_(run.physical), coarse_(run.physical.motion) {}
 
   /// True if a new calibration is to be made for what is left [s] of the communication step.
-  bool due(const StepContext& context, Method method, double H, bool jolt) const;
+  bool due(const StepContext& context, Method method, double H) const;
   /// Sets run.control.calibration(method) and returns the work.
   double calibrate(Integrators& integrators, const StepContext& context, Method method, double H, int rounds);
 

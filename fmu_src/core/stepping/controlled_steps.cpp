@@ -41,14 +41,13 @@ class Allowance {
   Allowance(const StepContext& context, const Traits& traits)
       : traits_(traits),
         forgets_(std::min(context.request.horizon, context.model.longest_memory)),
-        rounding_(use::rounding * std::max(context.model.body.length, largest(context.run.physical.motion.x))),
+        rounding_(position_rounding(context)),
         tolerance_(context.request.tolerance * power(context.request.step_factor, traits.order)) {}
   double operator()(double h) const {
     return std::max(rounding_, std::min(traits_.tolerance_step, traits_.tolerance_sum * h / forgets_) * tolerance_);
   }
 
  private:
-  static double largest(const Points& x) { return kernels::largest(x.size(), x.data()); }
   const Traits& traits_;
   double forgets_, rounding_, tolerance_;
 };

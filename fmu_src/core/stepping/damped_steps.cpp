@@ -99,11 +99,9 @@ struct DampedSteps::Call {
   double worth() const { return DampedSteps::worth(integrators, context, others); }
   double tolerance() const { return context.request.tolerance * power(context.request.step_factor, 2); }
   double allowed(double h) const {
-    const double rounding = use::rounding * std::max(context.model.body.length, kernels::largest(context.run.physical.motion.x.size(),
-                                                                                                 context.run.physical.motion.x.data()));
     const double spent = (context.run.physical.damped_error + context.run.physical.damped_fading) / context.request.tolerance;
     const double of_rest = use::damped_fraction * std::max(0.0, use::damped_sum - spent);
-    return std::max(rounding, std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory)) * tolerance());
+    return std::max(position_rounding(context), std::min(use::damped_most, std::max(of_rest, use::damped_rate * h / memory)) * tolerance());
   }
 };
 
@@ -292,7 +290,7 @@ DampedSteps::Judged DampedSteps::run_halves(const Call& call, double until, doub
   const Forces forces = compare_forces(call);
   judged.force = forces.largest;
   const Outlook out = ahead(context);
-  const double size = final_error(context, coarse_.motion, physical.motion, out).size;
+  const double size = std::max(0.0, final_error(context, coarse_.motion, physical.motion, out).size - rounding_by_end(context));
   judged.error = order * size + first.rigid + second.rigid;
   judged.fades = out.along_normal < out.left ? out.along_normal : 0;
   if (!context.drive.held()) judged.lasting = order * lasting_part(context, coarse_.motion, physical.motion, out, size);

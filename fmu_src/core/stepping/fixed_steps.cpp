@@ -105,7 +105,7 @@ StepStatus run_fitted(Integrators& integrators, Calibrator& calibrator, const St
   while (true) {
     if (stable_only)
       calibration.h = infinity;
-    else if (!given && calibrator.due(context, method, end - motion.time, request.jolt && steps == 0))
+    else if (!given && calibrator.due(context, method, end - motion.time))
       calibrator.calibrate(integrators, context, method, end - motion.time, use::calibration_rounds);
     const double limit = tighter(step_limit(context, method, given), request.step_factor * (given ? request.step : calibration.h));
     if (steps == 0 || !(clock.h <= limit) || limit > use::regrowth * clock.h) {

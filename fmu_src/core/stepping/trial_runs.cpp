@@ -17,10 +17,10 @@ namespace thresholds {
 
 /// Rounds of a calibration in trial runs: the first ones of leapfrog, those of bm4, the further ones of leapfrog.
 constexpr int trial_rounds = 1, trial_rounds_bm4 = 2, trial_rounds_left = 3;
-/// Work between two trial runs in multiples of the trial runs' own work, its limit while the winner stays, and the same after a jolt [1].
+/// Work between two trial runs in multiples of the trial runs' own work, and its limit while the winner stays [1].
 /// Measured with a pause that was not bound to their work: trial runs took 5 to 30 % of a run of a second. With these pauses they take a
 /// tenth at most, and less while the winner stays.
-constexpr double trial_pause = 10, longest_trial_pause = 160, trial_pause_after_jolt = 3;
+constexpr double trial_pause = 10, longest_trial_pause = 160;
 /// Work that a trial of implicit steps may take; fraction of the work of explicit steps in the rest of the run for its matrices [1].
 constexpr double longest_trial = 20'000, trial_fraction = 0.1;
 /// Number of implicit steps in the place of one, by which it is seen that the fastest mode creeps.
@@ -51,7 +51,7 @@ double fixed_work(const StepContext& context, Method method, double H) {
 
 bool TrialRuns::due(const StepContext& context, double H) {
   const ControllerState& control = context.run.control;
-  const bool due = control.work >= (context.request.jolt ? control.trials.soon : control.trials.due) && H >= use::sliver * control.usual;
+  const bool due = control.work >= control.trials.due && H >= use::sliver * control.usual;
   return control.trials.winner == Method::automatic || due || use::sliver * H > control.trials.window;
 }
 
@@ -92,7 +92,6 @@ void TrialRuns::run(Integrators& integrators, Calibrator& calibrator, const Step
   record.forecast = winner.work;
   record.window = H;
   record.pause = winner.method == candidates.before ? std::min(2 * record.pause, use::longest_trial_pause) : use::trial_pause;
-  record.soon = work + std::max(use::trial_pause_after_jolt * spent_, use::shortest_pause);
   record.due = work + std::max(record.pause * spent_, use::shortest_pause);
 }
 

@@ -9,7 +9,7 @@ namespace softffd::fmi {
 
 namespace {
 
-constexpr std::uint64_t magic = 0x3144464646544f53, version = 22;
+constexpr std::uint64_t magic = 0x3144464646544f53, version = 23;
 
 }  // namespace
 

@@ -163,8 +163,8 @@ def _control_points(draft: Draft) -> Iterator[Fault]:
         return
     for axis, count, origin, size in zip("xyz", draft.counts, *draft.box, strict=True):
         at = origin + size * np.linspace(0.0, 1.0, count)
-        if not np.all(abs(at) < 1e150) or not np.all(np.diff(at) > 0):  # squares of lengths have to be finite too
-            got = f"got origin {origin:g} m and size {size:g} m, too large or unequal for double precision"
+        if not np.all(abs(at) < 1e150) or not np.all(np.diff(at) > 1e-130):  # squares of lengths have to be finite, and not 0
+            got = f"got origin {origin:g} m and size {size:g} m, too large, small or unequal for double precision"
             yield Fault(("lattice",), f"wanted control points that differ along {axis}, {got}")
 
 

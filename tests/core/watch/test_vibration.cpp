@@ -54,6 +54,12 @@ TEST(slow_points_and_the_bodys_motion_as_a_whole_are_left_out) {
   CHECK(now_present(scene({}, 1), time_scales(s.body).minCoeff()) == 0);
 }
 
+TEST(time_scales_are_proportional_to_the_unit_of_time) {
+  const Scalars scales = time_scales(scene({.k = 1000}, 1).body), slow = time_scales(scene({.k = 1000 * 0x1p-80}, 1).body);
+  CHECK(scales.maxCoeff() < 1);
+  CHECK((slow == 0x1p40 * scales).all());
+}
+
 TEST(a_jump_of_the_forces_sets_off_its_mode) {
   const Oscillator o{.y0 = 0, .w0 = 0};
   const Scene s = scene(o, 1);

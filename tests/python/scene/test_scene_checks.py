@@ -86,7 +86,7 @@ REFUSED = [
      "probe[1].at: wanted a position in the box [0, 0, 0] to [1, 1, 1] m, got [0.5, 0.5, 1.001]"),
     *((lattice(**box), "lattice: wanted control points that differ along x, got origin...")
       for box in ({"origin": [1e20, 0, 0], "size": [1, 1, 1]}, {"origin": [1.7e308, 0, 0], "size": [1.7e308, 1, 1]},
-                  {"size": [1e300, 1, 1]})),
+                  {"size": [1e300, 1, 1]}, {"size": [1e-142, 1, 1]})),
     # control points
     (lattice(points=[3, 3, 3], cells=2), "lattice: wanted points or cells, got points = [3, 3, 3] and cells = 2"),
     (lattice(cells=2, spacing=0.5), "lattice: wanted cells or spacing, got cells = 2 and spacing = 0.5"),

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from readings import points
-from scenes import box, meshed
-from softffd import simulate
+from scenes import GRAVITY, box, meshed
+from softffd import Simulation, simulate
 from textbook import stated
 from validation import shapes
 
@@ -48,3 +48,30 @@ def test_a_stiff_box_that_bounces_states_what_its_vibrations_are_off_by_and_no_m
     exact = simulate(body, start_values={"solver.method": "leapfrog", "solver.step": step})
     assert np.linalg.norm(points(run)[-1] - points(exact)[-1], axis=1).max() < 10 * 2.6e-3
     assert stated(run)[-1] < 10 * 2.6e-3
+
+
+@pytest.mark.parametrize(("speed", "spin", "drop"), [(1e3, 0.0, 0.0), (20.0, 0.0, 0.05), (20.0, 0.05, 0.05), (200.0, 0.0, 0.05)])
+def test_a_difference_along_a_plane_lasts_no_longer_than_the_run(speed, spin, drop):
+    """Friction would stop the damped box after 5 to 250 s. The box comes down flat, and then slides until 0.3 s."""
+    thrown = {"velocity": [speed, 0.0, 0.0], "angular_velocity": [0.0, spin, 0.0]}
+    floor = {"name": "floor", "point": [0.0, 0.0, -drop], "friction": 0.4}
+    material = {"stiffness": 1e4, "damping": 0.0, "internal_damping": 1e-3}
+    body = box(material=material, gravity=GRAVITY, plane=[floor], initial=thrown, stop_time=0.3, communication_step=0.01)
+    run = simulate(body, output=["position"])
+    assert not run.summary["warnings"]
+    fallen = np.array([0.5 + 0.3 * speed - 0.4 * (9.81 * 0.3**2 / 2 - drop), 0.5, 0.5 - drop])
+    sinks = 9.81 / 1e4  # [m], some of it, and friction at 0.4 of what presses
+    assert np.abs(points(run)[-1].mean(axis=0) - fallen)[:2].max() < sinks
+
+
+@pytest.mark.parametrize(("tolerance", "distance"), [(1e-6, 0.0), (1e-6, 3e5), (1e-6, 5e6), (1e-7, 1e4)])
+def test_rounding_of_places_far_from_the_origin_is_no_error_of_steps(tolerance, distance):
+    """A damped box that rests on a plane and begins to lean: some hundred steps wherever that is."""
+    ground = {"name": "ground", "point": [distance] * 3, "friction": 0.4}
+    material = {"stiffness": 1e5, "damping": 0.0, "internal_damping": 1e-3}
+    where = {"origin": [distance] * 3, "plane": [ground], "gravity": [1.0, 0.0, -9.81]}
+    body = box(material=material, **where, tolerance=tolerance, stop_time=0.3, outputs={"solver": True})
+    with Simulation(body) as run:
+        run.step(0.01)
+        assert run["solver.steps"] < 1000
+        assert not run.warnings
