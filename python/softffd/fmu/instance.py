@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Self
 from softffd.errors import FmuError
 from softffd.fmu.archive import of_another_machine
 from softffd.fmu.interface import Interface
+from softffd.fmu.interrupts import Undisturbed
 
 WARNING, DISCARD, FATAL = 1, 2, 4
 RATES = "fmi2SetRealInputDerivatives"
@@ -43,6 +44,8 @@ class Instance:
     def __init__(self) -> None:
         self.messages: list[Message] = []  # messages since the instance was opened; may be cleared
         self.listener: Callable[[Message], object] | None = None  # called with every message
+        self._raised: BaseException | None = None  # what the listener raised in the present call of the library
+        self._undisturbed = False
         self.calls = dict.fromkeys(CALLS, _refused("there is no instance to call"))
         """The functions of the standard, bound to the instance; a function that the FMU does not have raises FmuError"""
         self._states: set[int] = set()
@@ -86,8 +89,11 @@ class Instance:
                 return
             words = text.decode("utf-8", "replace").replace("%%", "%").replace("##", "#")
             instance.messages.append(message := Message(status, (category or b"").decode("utf-8", "replace"), words))
-            if instance.listener:
-                instance.listener(message)
+            if instance.listener and not instance._raised:
+                try:
+                    instance.listener(message)
+                except BaseException as error:  # raised through the library it would be lost
+                    instance._raised = error
 
         callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(note)
         callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(calloc)
@@ -111,12 +117,26 @@ class Instance:
         return cast(getattr(self._library, call), c_void_p).value
 
     def check(self, status: int) -> None:
-        """Raises FmuError with the component's last message if the fmi2Status of a call says that the call discarded or failed."""
+        """Raises FmuError with the component's last message if the fmi2Status of a call says that the call discarded or failed, and
+        what the listener has raised in the call."""
         if status == FATAL:
             self._abandon()
+        if not self._undisturbed:
+            self._raise()
         if status >= DISCARD:
             word = "discarded the step" if status == DISCARD else "reported an error"
             raise FmuError(f"the component {word}: {self._last_message() or 'no message'}")
+
+    def undisturbed(self) -> Undisturbed:
+        """A block of calls that take long, and of what the host notes of them: Ctrl-C and what the listener raises wait until its end."""
+        self._undisturbed = True
+        return Undisturbed(self._raise)
+
+    def _raise(self) -> None:
+        """Raises what the listener has raised; then calls are disturbed again."""
+        self._undisturbed, error, self._raised = False, self._raised, None
+        if error is not None:
+            raise error
 
     def _abandon(self) -> None:
         """Keeps the instance unfreed: after fmi2Fatal no call is allowed, not even to free it (FMI 2.0.4, section 2.1.3); pythonfmu would

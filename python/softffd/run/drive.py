@@ -7,11 +7,8 @@ from __future__ import annotations
 
 import math
 import os
-import signal
-import threading
 import time as clock
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext
 from ctypes import POINTER, Structure, byref, c_int, c_longlong, c_size_t, c_void_p, cast
 from typing import Any
 
@@ -152,7 +149,6 @@ class Drive:
         self._many.done, last, times = 0, len(self._steps), self.times.tolist()
         for block, rows in self.outputs.values():
             rows[0] = block.get()
-        booleans, truths = self.outputs["Boolean"]
         try:
             while self.done < last:
                 until = self.done + 1 if self._single else min(last, self.done + self._together)
@@ -162,8 +158,6 @@ class Drive:
                 if self._single and self.done:
                     self.apply(self.done)
                 self.go_on(until)
-                if booleans.names:
-                    truths[until] = booleans.get()
                 self._simulation.time = times[until]
                 yield until
         finally:
@@ -172,30 +166,14 @@ class Drive:
     def go_on(self, until: int) -> None:
         """Does steps until `until` steps are done, in one call of the library."""
         begin, began = self.done, clock.perf_counter()
-        with nullcontext() if self._single else _interrupted_afterwards():
+        with self._component.undisturbed():
             status = library_function("softffd_many_steps", c_int, POINTER(_ManySteps), c_longlong)(byref(self._many), until)
-        self._component.check(status)
+            self._component.check(status)
+            booleans, truths = self.outputs["Boolean"]
+            if booleans.names:
+                truths[until] = booleans.get()
         took = clock.perf_counter() - began
         if took < PATIENCE / 2:
             self._together = max(self._together, 2 * (until - begin))
         elif took > 2 * PATIENCE:
             self._together = max(1, self._together // 2)
-
-
-@contextmanager
-def _interrupted_afterwards() -> Iterator[None]:
-    """Delays signals such as Ctrl-C until the block ends: raised while the library calls back to report, they would be lost."""
-    before = {number: action for number in (signal.SIGINT, signal.SIGTERM) if callable(action := signal.getsignal(number))}
-    if threading.current_thread() is not threading.main_thread() or not before:
-        yield
-        return
-    heard: list[Any] = []
-    for number in before:
-        signal.signal(number, lambda *told: heard.append(told))
-    try:
-        yield
-    finally:
-        for number, action in before.items():
-            signal.signal(number, action)
-        if heard:
-            before[heard[-1][0]](*heard[-1])

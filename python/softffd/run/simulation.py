@@ -68,7 +68,8 @@ class Simulation(Variables):
     start_values: parameters and inputs by name, numbers or vectors.
     start_time, stop_time: start and end of the run [s]. Without a stop time the tolerance holds for a run as long as the scene's; with
         one, no step may go past it.
-    log: called with each Message (status, category, text) as it arrives, e.g. `print`; `sim.log` has all messages.
+    log: called with each Message (status, category, text) as it arrives, e.g. `print`; `sim.log` has all messages. What the
+        function raises comes out of the call that sent the message; a step is then done.
 
     Everything, fixed parameters too, can be set until the first step or `initialize`, and again after `restart`; later only inputs and
     tunable parameters. A vector is set by assigning the whole, `plate.point = (0, 0, 0.9)`, or one component by its name,
@@ -112,8 +113,9 @@ class Simulation(Variables):
     def initialize(self) -> None:
         """Ends the initialization; otherwise the first step does. FmuError if the FMU cannot start from the values that were set."""
         if self.initializing:
-            self.component.exit_initialization()
-            self.initializing = False
+            with self.component.undisturbed():
+                self.component.exit_initialization()
+                self.initializing = False
 
     def step(self, length: float | None = None, *, end: float | None = None) -> None:
         """Does one communication step.
@@ -141,8 +143,9 @@ class Simulation(Variables):
             )
         if self.initializing:
             self.initialize()
-        self.component.do_step(self.time, length)
-        self.time = reached if end is None else end
+        with self.component.undisturbed():
+            self.component.do_step(self.time, length)
+            self.time = reached if end is None else end
 
     def restart(
         self, *, tolerance: float | None = None, method: str | None = None, start_values: Mapping[str, Any] | None = None,
@@ -192,18 +195,21 @@ class Simulation(Variables):
         """
         component = self.component
         if isinstance(state, State) and state.component is component:
-            component.set_state(state.handle)
-            self.time, self.initializing = state.time, state.initializing
+            self._return_to(state.handle, state.time, state.initializing)
             return
         data = bytes(state) if isinstance(state, State | bytes | bytearray | memoryview) else b""
         if len(data) < HEAD.size or not data.startswith(MARK):
             raise FmuError(f"restore: wanted a state of Simulation.save or its bytes, got {state!r:.70}")
         handle = component.state_from(data[HEAD.size :])
         try:
-            component.set_state(handle)
+            self._return_to(handle, *HEAD.unpack_from(data)[1:])
         finally:
             component.free_state(handle)
-        _, self.time, self.initializing = HEAD.unpack_from(data)
+
+    def _return_to(self, handle: int, time: float, initializing: bool) -> None:
+        with self.component.undisturbed():
+            self.component.set_state(handle)
+            self.time, self.initializing = time, initializing
 
     # ---- the body and its parts ----
 

@@ -70,8 +70,9 @@ def test_a_step_that_fails_on_the_way_is_told_as_by_itself(calls):
 
 @pytest.mark.filterwarnings("error")
 @pytest.mark.usefixtures("ctrl_c_is_heard")
+@pytest.mark.parametrize("inputs", [{"load.push.x": 1.0}, lambda time: {"load.push.x": 1.0}], ids=["many", "single"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_while_the_component_speaks_ends_the_run(number, request):
+def test_ctrl_c_while_the_component_speaks_ends_the_run(number, inputs, request):
     """A KeyboardInterrupt raised in a callback of the library would be printed and lost."""
     said = []
 
@@ -87,7 +88,7 @@ def test_ctrl_c_while_the_component_speaks_ends_the_run(number, request):
     request.addfinalizer(lambda: signal.signal(number, before))
     restless = PUSHED.replace({"experiment.stop_time": 200.0})
     with pytest.raises(Interrupted) as stop:
-        simulate(restless, begun=listen, inputs={"load.push.x": 1.0})
+        simulate(restless, begun=listen, inputs=inputs)
     assert said and len(stop.value.result.time) < 200_000
 
 

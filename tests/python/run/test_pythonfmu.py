@@ -1,6 +1,8 @@
 """FMUs made with pythonfmu, one of a user's own and the driver plate.fmu, in everything that runs an FMU."""
 
 import csv
+import os
+import signal
 
 import numpy as np
 import pytest
@@ -8,6 +10,8 @@ import pytest
 from softffd import Simulation, simulate, sweep
 from softffd.cli.command import main
 from softffd.drivers import build_driver
+from softffd.errors import Interrupted
+from softffd.run import drive
 
 pytest.importorskip("pythonfmu")
 from pythonfmu.builder import FmuBuilder
@@ -70,6 +74,19 @@ def test_simulate_has_its_outputs_over_time(tank, plate):
     result = simulate(plate, stop_time=0.5, step=0.01, start_values={"delay": 0, "initial.velocity": (1.0, 0, 0)})
     np.testing.assert_allclose(result.outputs["point.z"], -0.5 * 9.81 * result.time**2, atol=1e-12)
     np.testing.assert_allclose(result.outputs["point.x"], result.time, atol=1e-12)
+
+
+@pytest.mark.usefixtures("ctrl_c_is_heard")
+def test_an_interrupted_run_has_outputs_of_all_kinds_of_its_last_step(tank, monkeypatch):
+    def interrupted(*names):
+        return lambda many, until: (steps(*names)(many, until), until == 5 and os.kill(os.getpid(), signal.SIGINT))[0]
+
+    steps = drive.library_function
+    monkeypatch.setattr(drive, "library_function", interrupted)
+    with pytest.raises(Interrupted) as stop:
+        simulate(tank)
+    outputs = stop.value.result.outputs
+    assert outputs["level"][-1] == 0.625 and outputs["full"].tolist() == [0, 0, 0, 0, 1, 1]
 
 
 def test_a_sweep_varies_its_parameters_and_inputs(tank, plate):
