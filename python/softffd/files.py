@@ -27,15 +27,23 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
     _require_no_folder(target, path)
     partial = target.with_name(f".softffd-{secrets.token_hex(8)}.partial")
     try:
-        with partial.open("xb") as stream:
-            yield stream
-        os.replace(partial, target)
-    except OSError as error:
-        if error.filename in (partial, str(partial)):
-            error.filename, error.filename2 = str(path), None
-        raise
+        with _naming(path, partial):
+            with partial.open("xb") as stream:
+                yield stream
+            os.replace(partial, target)
     finally:
         partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def _naming(path: str | Path, partial: Path) -> Iterator[None]:
+    """Lets an OSError of the block name `path` in place of the temporary `partial`, also as the folder of a file."""
+    try:
+        yield
+    except OSError as error:
+        if str(partial) not in str(error.filename):
+            raise
+        raise OSError(error.errno, error.strerror, str(error.filename).replace(str(partial), str(path))) from None
 
 
 def _require_no_folder(target: Path, path: str | Path) -> None:
@@ -49,16 +57,17 @@ def appearing_in(folder: Path) -> Iterator[Path]:
     moves up into `folder`, and each file and folder replaces one of the same name; if the block fails, nothing moves. Raises OSError and
     SoftffdError as `replacing` does."""
     place = folder / f".softffd-{secrets.token_hex(8)}.partial"
-    place.mkdir()
     try:
-        yield place
-        for made in place.iterdir():
-            if made.is_file():
-                _require_no_folder(folder / made.name, folder / made.name)
-        for made in sorted(place.iterdir(), key=lambda each: each.is_file()):  # folders first: a file that lists their files comes later
-            if made.is_dir() and (folder / made.name).is_dir():
-                shutil.rmtree(folder / made.name)
-            os.replace(made, folder / made.name)
+        with _naming(folder, place):
+            place.mkdir()
+            yield place
+            for made in place.iterdir():
+                if made.is_file():
+                    _require_no_folder(folder / made.name, folder / made.name)
+            for made in sorted(place.iterdir(), key=lambda each: each.is_file()):  # a file that lists files of folders comes after them
+                if made.is_dir() and (folder / made.name).is_dir():
+                    shutil.rmtree(folder / made.name)
+                os.replace(made, folder / made.name)
     finally:
         shutil.rmtree(place, ignore_errors=True)
 

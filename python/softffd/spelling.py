@@ -1,7 +1,12 @@
-"""Wording of messages: lists of words, and the nearest known name, with which every message about an unknown name ends."""
+"""Wording of messages: lists of words, and the nearest known name, with which every message about an unknown name ends. The numbers that
+words and other values mean, with the message about a value that means none."""
 
 import difflib
+import operator
 from collections.abc import Iterable, Sequence
+from typing import Any
+
+from softffd.errors import FmuError, SoftffdError
 
 
 def nearest_of(given: str, choices: Iterable[str]) -> str | None:
@@ -39,3 +44,23 @@ def number_in(word: str) -> float:
     if "_" in word or not word.isascii():
         raise ValueError(word)
     return float(word)
+
+
+def one_number(what: str, value: Any, refusal: type[SoftffdError] = FmuError) -> float:
+    """Returns the value as a number. Raises the refusal for an array, text and anything else."""
+    try:
+        if not getattr(value, "ndim", 0) and not isinstance(value, str | bytes):
+            return float(value)
+    except (TypeError, ValueError):
+        pass
+    raise refusal(f"{what}: wanted one number, got {value!r:.70}")
+
+
+def whole_number(what: str, value: Any, least: int) -> int:
+    """Returns the value as an integer. Raises SoftffdError for anything that is none, and for one below `least`."""
+    try:
+        if (number := operator.index(value)) >= least:
+            return number
+    except TypeError:
+        pass
+    raise SoftffdError(f"{what}: wanted a whole number of at least {least}, got {value!r:.70}")

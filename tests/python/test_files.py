@@ -114,6 +114,15 @@ def test_a_missing_folder_is_an_error_of_the_system_that_names_the_file(tmp_path
     assert caught.value.filename == str(tmp_path / "none" / "x") and ".partial" not in str(caught.value)
 
 
+def test_files_that_cannot_appear_are_named_as_they_would_be(tmp_path):
+    with pytest.raises(FileNotFoundError) as caught, appearing_in(tmp_path / "none"):
+        pass
+    assert caught.value.filename == str(tmp_path / "none") and ".partial" not in str(caught.value)
+    with pytest.raises(FileNotFoundError) as caught, appearing_in(tmp_path) as place:
+        (place / "none" / "x").write_text("")
+    assert str(caught.value).endswith(f"'{tmp_path / 'none' / 'x'}'")
+
+
 def test_a_folder_is_not_written_over_by_a_file(tmp_path):
     (tmp_path / "kept.npz").mkdir()
     with pytest.raises(SoftffdError, match=r"kept\.npz: wanted the name of a file, got a folder"):

@@ -14,9 +14,9 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from softffd.errors import FmuError
-from softffd.fmu.block import one_number
 from softffd.rotation import matrix_of, quaternions, turned, vector_of
 from softffd.run.simulation import Simulation, State
+from softffd.spelling import one_number
 
 Push = tuple[int, np.ndarray, np.ndarray]
 """A body of the engine, a point (3,) in its frame [m], and the force and torque about it (6,) [N, N.m], world axes"""

@@ -13,7 +13,7 @@ from softffd.files import appearing_in, require_writable
 from softffd.run.progress import Note, silent
 from softffd.run.result import Result
 from softffd.run.tables import package
-from softffd.spelling import did_you_mean, nearest_of, wanted_one_of
+from softffd.spelling import did_you_mean, nearest_of, one_number, wanted_one_of, whole_number
 
 TOLERANCE = 1e-3
 """Error allowed where a format approximates, as a fraction of the largest side of the box"""
@@ -86,7 +86,7 @@ def export_result(
     path, *others = kind.files(Path(path))
     if kind.needs:
         package(kind.needs[0], f"export to {name}", kind.needs[1])
-    if tolerance is not None and not (kind.approximates and 0 < tolerance < np.inf):
+    if tolerance is not None and not (kind.approximates and 0 < one_number("tolerance", tolerance) < np.inf):
         able = _that(lambda each: each.approximates)
         raise SoftffdError(f"tolerance: wanted a number > 0, a share of the largest side of the box, and with {able}, got {tolerance:g}")
     if lattice is not None and not kind.draws:
@@ -112,9 +112,8 @@ def _that(can: Callable[[Format], bool]) -> str:
 
 def _rows(count: int, frames: int | None) -> np.ndarray:
     """Returns all rows, or evenly chosen ones with the first and the last. Raises SoftffdError for fewer than 2 frames."""
-    if frames is not None and frames < 2:
-        raise SoftffdError(f"frames: wanted 2 or more, got {frames}")
-    return np.unique(np.linspace(0, count - 1, min(count, frames or count)).round().astype(int))
+    wanted = count if frames is None else min(count, whole_number("frames", frames, 2))
+    return np.unique(np.linspace(0, count - 1, wanted).round().astype(int))
 
 
 def _require_own(folder: Path, ending: str) -> None:

@@ -24,11 +24,11 @@ from softffd.fitting.experiment import Experiment, experiment_of
 from softffd.fitting.measured import Data
 from softffd.fitting.parameters import Parameter, values_of
 from softffd.fitting.result import Fit
-from softffd.fmu.block import one_number
 from softffd.run.inputs import Source
 from softffd.run.sweep import require_workers
 from softffd.run.sweep_runs import Make, runner
 from softffd.run.tables import package
+from softffd.spelling import one_number
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene

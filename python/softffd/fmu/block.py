@@ -107,16 +107,6 @@ class Blocks:
 _RANGE = (np.iinfo(np.int32).min, np.iinfo(np.int32).max)
 
 
-def one_number(what: str, value: Any) -> float:
-    """Returns the value as a number. Raises FmuError for an array, text and anything else."""
-    try:
-        if np.ndim(value) == 0 and not isinstance(value, str | bytes):
-            return float(value)
-    except (TypeError, ValueError):
-        pass
-    raise FmuError(f"{what}: wanted one number, got {value!r:.70}")
-
-
 def number_of(variable: ScalarVariable, value: Any) -> Any:
     """Returns the value that a block takes for a user's value: a number, 0 or 1 for a Boolean, the number of a name of an enumeration, or
     the text of a String. An integer must be a whole number. Raises FmuError that says what was wanted."""

@@ -18,7 +18,7 @@ from softffd.mesh.polygons import Triangles
 from softffd.mesh.stl import read_stl
 from softffd.mesh.threemf import read_3mf
 from softffd.mesh.written import write_glb, write_obj, write_ply, write_stl
-from softffd.spelling import did_you_mean, nearest_of, wanted_one_of
+from softffd.spelling import did_you_mean, nearest_of, one_number, wanted_one_of
 
 _READERS = {
     ".obj": read_obj, ".stl": read_stl, ".ply": read_ply, ".glb": read_glb,
@@ -55,6 +55,7 @@ def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
     """
     path = Path(path)
     _require_axis(path, up)
+    scale = one_number(f"{path}: mesh.scale", scale, MeshError)
     if not (np.isfinite(scale) and scale > 0):
         raise MeshError(f"{path}: mesh.scale: wanted a number > 0, got {scale}")
     read = _read(path)

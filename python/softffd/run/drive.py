@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 
 from softffd.errors import FmuError
-from softffd.fmu.block import Block, Blocks, one_number
+from softffd.fmu.block import Block, Blocks
 from softffd.fmu.interface import ScalarVariable
 from softffd.installed import library_function
 from softffd.run.simulation import SLIVER, Simulation
+from softffd.spelling import one_number
 
 GIVEN_BY = {"communication step": "--step H, in Python step=H", "stop time": "--stop-time T, in Python stop_time=T"}
 """How a user gives a value for which an FMU has no default."""

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 
 from softffd.errors import FmuError, Interrupted, UnknownName
-from softffd.fmu.block import one_number
 from softffd.fmu.component import Component
 from softffd.fmu.instance import Message
 from softffd.lattice import LatticeBox
@@ -22,7 +21,7 @@ from softffd.run.inputs import Inputs, Source
 from softffd.run.parts import in_place, is_position, places
 from softffd.run.result import Result
 from softffd.run.simulation import Simulation, choice_in, run_source
-from softffd.spelling import wanted_one_of
+from softffd.spelling import one_number, wanted_one_of
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene

@@ -13,14 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from softffd.errors import FmuError
-from softffd.fmu.block import one_number
 from softffd.fmu.component import Component
 from softffd.fmu.instance import Message
 from softffd.lattice import LatticeBox
 from softffd.names import OBSTACLES, part_names
 from softffd.run.parts import Obstacle, Parts, Pin, PointField, PointVectors, Sensor, Vectors
 from softffd.run.variables import Variables
-from softffd.spelling import did_you_mean, nearest_of
+from softffd.spelling import did_you_mean, nearest_of, one_number
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene

@@ -22,6 +22,7 @@ from softffd.run.result_file import UNREADABLE, damaged, read_arrays, write_arra
 from softffd.run.sweep_plan import Index, Plan, plan_of
 from softffd.run.sweep_runs import runner
 from softffd.run.tables import package
+from softffd.spelling import whole_number
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
@@ -104,9 +105,7 @@ def require_workers(jobs: int | None, executor: Executor | None) -> None:
         raise SoftffdError("jobs: wanted without an executor, whose workers decide how many runs there are at a time")
     if executor is not None and not hasattr(executor, "submit"):
         raise SoftffdError(f"executor: wanted one of concurrent.futures, got {type(executor).__name__}")
-    if jobs is not None and not (isinstance(jobs, int | np.integer) and jobs >= 1):
-        raise SoftffdError(f"jobs: wanted a whole number of at least 1, got {jobs!r:.70}")
-    if (jobs or 1) > 1 and multiprocessing.current_process().daemon:
+    if (1 if jobs is None else whole_number("jobs", jobs, 1)) > 1 and multiprocessing.current_process().daemon:
         raise SoftffdError(f"jobs: a daemonic process, as those of multiprocessing.Pool are, starts no others; wanted jobs=1, got {jobs}")
 
 

@@ -164,8 +164,11 @@ def test_a_film_shows_the_lattice_when_asked_for_it_and_by_default_where_there_i
 
 
 def test_what_cannot_be_is_refused(thrown, pressed, tmp_path):
-    wrong = {"wanted a number > 0": {"tolerance": 0.0}, "single precision": {"tolerance": 1e-9}, "2 or more": {"frames": 1}}
-    for said, keys in wrong.items():
+    wrong = [
+        ("wanted a number > 0", {"tolerance": 0.0}), ("wanted one number, got '1e-3'", {"tolerance": "1e-3"}),
+        ("single precision", {"tolerance": 1e-9}), *[("whole number of at least 2", {"frames": frames}) for frames in (0, 1, 2.5, "5")],
+    ]  # fmt: skip
+    for said, keys in wrong:
         with pytest.raises(SoftffdError, match=said):
             thrown.export(tmp_path / "run.glb", **keys)
     with pytest.raises(SoftffdError, match="and with glb, got"):

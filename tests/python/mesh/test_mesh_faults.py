@@ -120,6 +120,12 @@ def test_a_missing_file_and_a_directory_are_refused(tmp_path):
             save_mesh(ball(), folder)
 
 
+@pytest.mark.parametrize("scale", [0, -1.0, np.nan, "mm", [1.0], None])
+def test_a_scale_that_is_no_number_above_0_is_refused(scale, tmp_path):
+    with pytest.raises(MeshError, match=r"a\.obj: mesh\.scale: wanted (a number > 0|one number), got "):
+        loaded(tmp_path, "a.obj", TETRAHEDRON + FACES, scale=scale)
+
+
 @pytest.mark.parametrize("kind", [*ENDINGS, "text.stl", "text.ply", "text.off"])
 def test_a_file_cut_anywhere_is_refused_or_has_fewer_faces_only_in_obj(kind, tmp_path):
     """OBJ counts nothing, so a cut between two faces cannot be seen; all other cuts are, in texts of STL that between facets by a note."""
