@@ -103,8 +103,8 @@ def require_workers(jobs: int | None, executor: Executor | None) -> None:
     """Raises SoftffdError if so many processes are not possible, or if the executor is none."""
     if jobs is not None and executor is not None:
         raise SoftffdError("jobs: wanted without an executor, whose workers decide how many runs there are at a time")
-    if executor is not None and not hasattr(executor, "submit"):
-        raise SoftffdError(f"executor: wanted one of concurrent.futures, got {type(executor).__name__}")
+    if executor is not None and not isinstance(executor, Executor):
+        raise SoftffdError(f"executor: wanted one of concurrent.futures, such as client.get_executor(), got {type(executor).__name__}")
     if (1 if jobs is None else whole_number("jobs", jobs, 1)) > 1 and multiprocessing.current_process().daemon:
         raise SoftffdError(f"jobs: a daemonic process, as those of multiprocessing.Pool are, starts no others; wanted jobs=1, got {jobs}")
 

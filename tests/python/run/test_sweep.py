@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -158,6 +159,8 @@ def test_a_file_of_another_sweep_is_refused(tmp_path):
         ({"mass": [1]}, {"outputs": ["damping"]}, "wanted an output, got the FMU's parameter"),
         ({"mass": [1]}, {"outputs": []}, "outputs: wanted at least one"),
         ({"mass": [1]}, {"start_values": {"dampin": 1}}, 'did you mean "damping"'),
+        ({"mass": [1]}, {"executor": 7}, r"executor: wanted one of concurrent\.futures, such as client\.get_executor\(\), got int"),
+        ({"mass": [1]}, {"executor": SimpleNamespace(submit=print)}, r"client\.get_executor\(\), got SimpleNamespace"),
         *[({"mass": [1]}, {"jobs": wrong}, "jobs: wanted a whole number of at least 1") for wrong in (0, "2", 1.5)],
         ({"mass": [1]}, {"outputs": 5}, "5: wanted an output of the FMU"),
     ],

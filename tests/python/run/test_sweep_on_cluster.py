@@ -83,9 +83,7 @@ def test_an_fmu_that_a_worker_cannot_open_is_told(client, monkeypatch):
     assert "swept.fmu" in table.failures[0][1]
 
 
-def test_an_executor_that_is_none_or_is_shut_down_is_refused():
-    with pytest.raises(SoftffdError, match=r"executor: wanted one of concurrent\.futures, got int"):
-        sweep(SCENE, {"mass": [1]}, executor=7)
+def test_an_executor_that_is_shut_down_is_refused():
     with ThreadPoolExecutor(1) as executor:
         pass
     with pytest.raises(SoftffdError, match="executor: takes no runs any more"):
