@@ -1,5 +1,6 @@
 """Reads and writes mesh files; damaged files are refused, and every fault is reported in one clear paragraph."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -74,13 +75,13 @@ def load_mesh(path: str | Path, *, scale: float = 1.0, up: str = "z") -> Mesh:
     return Mesh(vertices, faces, uv, path.stem, looks=read.looks.with_vertices(used), doubt=unsure)
 
 
-def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = None, up: str = "z", decimals: int = 9) -> None:
+def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = None, up: str = "z", decimals: int | None = None) -> None:
     """Writes `mesh` as OBJ, STL, PLY or GLB. OBJ and GLB keep all looks; pictures lie inside a GLB, and beside an OBJ with NAME.mtl. PLY
     keeps colours and one picture beside it, but no names of materials and no groups. STL keeps no looks.
 
     vertices: (V, 3) [m], written in place of the vertices of the mesh, as `deform` returns them.
     up: the axis of the file that stands for +z, as for load_mesh ("y" for programs that follow the convention of glTF).
-    decimals: number of decimals in an OBJ file; the other formats hold single precision.
+    decimals: number of decimals in an OBJ file, by default 9, and more for a mesh below 1 cm; the other formats hold single precision.
     Raises MeshError if the ending is none of the four or the file cannot be written, and ValueError for `vertices` of another shape.
     """
     path = Path(path)
@@ -98,11 +99,16 @@ def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = Non
     vertices = vertices @ _TO_Z_UP[up]
     try:
         if path.suffix.lower() == ".obj":
-            write_obj(mesh, path, vertices, decimals)
+            write_obj(mesh, path, vertices, _decimals(vertices) if decimals is None else decimals)
         else:
             _WRITERS[path.suffix.lower()](mesh, path, vertices)
     except OSError as fault:
         raise MeshError(f"{path}: cannot be written: {fault.strerror or fault}") from None
+
+
+def _decimals(vertices: np.ndarray) -> int:
+    """Returns the number of decimals that hold vertices (V, 3) to a ten-millionth of their largest side, or to 1e-9 if that is less."""
+    return max(9, 7 - math.floor(math.log10(np.ptp(vertices, axis=0).max() or 1.0)))
 
 
 def placed(mesh: Mesh, *, scale: float, up: str) -> Mesh:

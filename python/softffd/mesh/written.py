@@ -33,6 +33,7 @@ def write_obj(mesh: Mesh, path: Path, vertices: np.ndarray, decimals: int) -> No
     lines += [f"v {row}" for row in positions]
     corners = [f"{i}/" for i in range(1, len(vertices) + 1)]
     if mesh.uv is not None:
+        decimals = min(decimals, 9)  # a small mesh has texture coordinates of the usual size
         texels, texel = np.unique(np.round(mesh.uv, decimals), axis=0, return_inverse=True)
         lines += [f"vt {row}" for row in _rows(texels, decimals)]
         corners = [f"{corner}{t}" for corner, t in zip(corners, texel.reshape(-1) + 1, strict=True)]

@@ -1,6 +1,7 @@
 """Facts about meshes and their files, the damaged ones above all."""
 
 import logging
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -90,6 +91,16 @@ def test_texture_coordinates_that_are_no_places_become_the_corner_with_a_note(tm
 def test_obj_is_written_with_the_decimals_asked_for(tmp_path):
     save_mesh(ball(), tmp_path / "a.obj", decimals=2)
     assert (tmp_path / "a.obj").read_text().startswith("v -0.53 0.85 0.00\n")
+
+
+@pytest.mark.parametrize("side", [1e-300, 1e-7, 1.0, 1e5])
+def test_an_obj_of_any_size_holds_its_vertices_to_a_ten_millionth_of_its_side(side, tmp_path):
+    uv = np.random.default_rng(7).random((len(ball().vertices), 2))
+    mesh = replace(ball(), vertices=side * ball().vertices / np.ptp(ball().vertices), uv=uv)
+    save_mesh(mesh, tmp_path / "a.obj")
+    again = load_mesh(tmp_path / "a.obj")
+    assert np.abs(again.vertices - mesh.vertices).max() < 1e-7 * side
+    np.testing.assert_allclose(again.uv, uv, atol=1e-9)
 
 
 def test_obj_reads_what_exporters_write(tmp_path):
