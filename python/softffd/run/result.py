@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+POSITIONS = 'outputs.positions = "all", and "position" in output= where that is given'
+"""What a run needs to be shown, in messages"""
 LARGEST_PAGE = 2e6  # largest interactive page that is embedded in a notebook [characters]
 
 
@@ -165,7 +167,7 @@ class Result(ObstacleCourses):
 
     def _of_lattice(self, row: int | slice, who: str) -> tuple[np.ndarray, LatticeBox]:
         if self.lattice is None or not self.has_positions:
-            raise SoftffdError(f'{who}: wanted a run of an FMU of softffd with outputs.positions = "all"')
+            raise SoftffdError(f"{who}: wanted a run of an FMU of softffd with {POSITIONS}")
         return self._positions_at(row, who), self.lattice
 
     def _positions_at(self, row: int | slice | np.ndarray, who: str) -> np.ndarray:
@@ -190,7 +192,7 @@ class Result(ObstacleCourses):
             raise MeshError(f"deformed: wanted a Mesh or vertices (V, 3), got the shape {np.shape(mesh)}")
         positions = self._positions_at(row, "deformed")
         if self.lattice is None or np.isnan(positions).any():
-            raise SoftffdError('deformed: wanted a run of an FMU of softffd with outputs.positions = "all"')
+            raise SoftffdError(f"deformed: wanted a run of an FMU of softffd with {POSITIONS}")
         points: Any = getattr(mesh, "vertices", mesh)
         if found := outside(points, self.lattice.origin, self.lattice.size):
             hint = "" if points is mesh else ", as load_mesh reads a mesh with the scene's scale and up"

@@ -13,7 +13,7 @@ from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import unit
 from softffd.names import vector_names
 from softffd.obstacles import SolidShape
-from softffd.run.result import Result
+from softffd.run.result import POSITIONS, Result
 from softffd.show.raster import Tint
 from softffd.show.skin import Skin, cage_surface, painted, skinned
 from softffd.show.solid import Form, form_of
@@ -219,7 +219,7 @@ def _recorded(result: Result) -> np.ndarray:
     if missing.any():
         raise SoftffdError(
             f"The run cannot be shown: the positions of {missing.sum()} of its {missing.size} control points were not "
-            'recorded. Wanted: a scene with outputs.positions = "all".'
+            f"recorded. Wanted: a scene with {POSITIONS}."
         )
     if (farthest := np.abs(positions).max()) > FARTHEST:
         raise SoftffdError(f"The run cannot be shown: its control points go as far as {farthest:g} m. Wanted: {FARTHEST:g} m at most.")

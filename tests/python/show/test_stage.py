@@ -55,7 +55,7 @@ def test_up_is_against_gravity():
 def test_unrecorded_positions_are_refused_with_the_key_that_helps():
     result = made_up_run()
     result.positions[:, 1, 2, 3] = np.nan
-    with pytest.raises(SoftffdError, match=r'1 of its 64 control points.*outputs.positions = "all"'):
+    with pytest.raises(SoftffdError, match=r'1 of its 64 control points.*outputs.positions = "all", and "position" in output= where'):
         stage_of(result)
 
 
