@@ -96,15 +96,21 @@ def keep_run(
     stage: receives what is being done. pictures: write picture and page.
     Files that an earlier run left in the folder are removed first.
     colour, lattice: of the picture, as in `Result.plot`.
+    An interrupt after the numbers are written raises KeyboardInterrupt that says so.
     """
     stage("writing the numbers")
     if not result.has_positions:
         result.summary["findings"].append('no pictures: they need outputs.positions = "all"')
     _remove_shown(result, folder)
     files = result.save(folder)
-    if not result.has_positions:
-        return files
-    mesh = result.loaded_mesh
+    try:
+        return files + (_show(result, folder, stage, pictures, colour, lattice) if result.has_positions else [])
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"what was simulated is kept in {folder}, but not all that shows it") from None
+
+
+def _show(result: Result, folder: Path, stage: Note, pictures: bool, colour: str | None, lattice: bool | None) -> list[Path]:
+    files, mesh = [], result.loaded_mesh
     picture, page = folder / "picture.png", folder / "view.html"
     if pictures:
         stage("drawing picture.png")

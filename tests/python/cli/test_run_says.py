@@ -186,6 +186,17 @@ def test_an_interrupted_run_keeps_what_was_simulated(monkeypatch, capsys):
     assert Path("softffd-box/view.html").is_file()
 
 
+@pytest.mark.parametrize("drawing", ["plot", "view"])
+def test_an_interrupt_while_it_draws_names_what_is_kept(drawing, monkeypatch, capsys):
+    def interrupt(*_arguments, **_options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Result, drawing, interrupt)
+    said = told(capsys, "run", "box.toml", status=130)
+    assert said == "softffd: interrupted; what was simulated is kept in softffd-box, but not all that shows it\n"
+    assert len(Result.load("softffd-box").time) == 21 and not Path("softffd-box/view.html").exists()
+
+
 def test_an_interrupted_simulation_hands_over_its_result(monkeypatch):
     stopped_at(monkeypatch, 3)
     with pytest.raises(KeyboardInterrupt) as stopped:
