@@ -38,6 +38,8 @@ def page_to_view(
         runs = replay_system(what[0], what[1], stage)
         for name, run in runs.items():
             _tell_sceneless(name, run, say)
+    elif len(set(what)) < len(what):
+        raise SoftffdError(f"view: wanted each run once, got {', '.join(map(str, what))}")
     else:  # named after their folders or files; by whole paths where two names are the same
         short = [_short(each) for each in what]
         runs = {

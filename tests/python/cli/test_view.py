@@ -68,6 +68,7 @@ def test_several_runs_have_one_page_under_their_names(opened, capsys):
     assert "<title>b beside c</title>" in page.read_text() and opened == [page.resolve().as_uri()]
     assert main(["view", "softffd-b", "c.npz"]) == 1 and "--overwrite" in capsys.readouterr().err
     assert main(["view", "softffd-b", "c.npz", "--ssp", "-o", "one.html"]) == 0 and "<title>b and c</title>" in Path("one.html").read_text()
+    assert main(["view", "c.npz", "c.npz"]) == 1 and "wanted each run once, got c.npz, c.npz" in capsys.readouterr().err
     assert main(["view", "kept", "--ssp"]) == 1 and "--ssp: wanted with two runs or more" in capsys.readouterr().err
 
 
