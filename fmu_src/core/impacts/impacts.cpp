@@ -1,6 +1,7 @@
 #include "impacts/impacts.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "kit/implicit_steps.hpp"
 #include "kit/limits.hpp"
@@ -28,6 +29,14 @@ StepStatus Impacts::pass_over(const Beside& at) {
   return status;
 }
 
+/// The body takes off. Books the final error by the vibrations that steps at rest have damped away: their velocity is missing.
+void Impacts::book_damped(const StepContext& context) {
+  const double energy = std::exchange(context.run.physical.stiff.damped, 0);
+  if (!(energy > context.model.noise)) return;
+  const double lasts = outlook(context, context.run.physical.motion).along_normal;
+  context.run.physical.error.add({lasts * std::sqrt(2 * energy / context.model.body.mass.sum())});
+}
+
 StepStatus Impacts::run(Integrators& integrators, const StepContext& context, double end, bool rings) {
   StiffContact& stiff = context.run.physical.stiff;
   const State& motion = context.run.physical.motion;
@@ -48,6 +57,7 @@ StepStatus Impacts::run(Integrators& integrators, const StepContext& context, do
       case Phase::rest: status = rest_.run(at); break;
     }
     rings = false;
+    if (stiff.phase == Phase::flight && stiff.damped > 0) book_damped(context);
     if (status == StepStatus::too_much_work) {
       snapshot.rollback();
       snapshot.commit();

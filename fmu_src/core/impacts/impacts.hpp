@@ -14,7 +14,8 @@
 ///               run with h and with two of h / 2, unless a number of steps has shown that nothing changes; a step ends where a contact
 ///               stops, turns round, begins to slide or opens.
 ///
-/// Energy decides between the phases: vibrations cannot move a body that is pressed on by a force F further than their energy / F.
+/// Energy decides between the phases: vibrations cannot move a body that is pressed on by a force F further than their energy / F. Where
+/// that force ends they could: the energy that steps at rest have damped away is missing in the flight that follows.
 #pragma once
 #include "impacts/rest_steps.hpp"
 #include "impacts/windows.hpp"
@@ -33,6 +34,7 @@ class Impacts {
 
  private:
   StepStatus pass_over(const Beside& at);
+  void book_damped(const StepContext& context);
 
   Flights flights_;
   Windows windows_;

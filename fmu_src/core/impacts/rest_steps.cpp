@@ -113,6 +113,7 @@ StepStatus RestSteps::settle(const Beside& at) {
       if (left.size <= use::settling_fraction * context.request.tolerance) {
         physical.error.add(left);
         stiff.settling = false;
+        lose(context, h, lost);
         stiff.step = use::rest_growth * h;
         snapshot.commit();
         return StepStatus::ok;
@@ -126,6 +127,14 @@ StepStatus RestSteps::settle(const Beside& at) {
   else
     doubted(at, 0);
   return StepStatus::ok;
+}
+
+/// Adds the energy lost in a step of h [s] to what vibrations would still have of that lost before. Pins hold a body without obstacles,
+/// too.
+void RestSteps::lose(const StepContext& context, double h, double lost) {
+  if (!context.drive.pins.empty()) return;
+  double& damped = context.run.physical.stiff.damped;
+  damped = damped * std::max(0.0, 1 - h / vibration_lasts(context)) + std::max(0.0, lost);
 }
 
 /// True if the body tips over its obstacle: then no step resembles the one before.
@@ -157,6 +166,7 @@ bool RestSteps::step_once(const Beside& at) {
     if (steady && std::abs(taken.lost) < allowed_loss(at.context, taken.pressing)) {
       --stiff.rest_trust;
       stiff.pressing = taken.pressing;
+      lose(at.context, physical.clock.h, taken.lost);
       snapshot.commit();
       return true;
     }
@@ -228,6 +238,7 @@ StepStatus RestSteps::step_twice(const Beside& at, double next) {
     left.size += event.error;
     physical.error.add(left);
     stiff.pressing = taken.pressing;
+    lose(context, h, lost);
     const double longer = h * std::clamp(factor, use::next_shrink, use::rest_growth);
     if (!cut) stiff.step = factor < 1 ? longer : std::max(stiff.step, longer);  // the call may have ended before the wanted step
     stiff.rest_trust = easy ? stiff.next_rest_trust : 0;

@@ -24,6 +24,7 @@ class RestSteps {
   };
   StepStatus settle(const Beside& at);
   double allowed(const StepContext& context, double h) const;
+  void lose(const StepContext& context, double h, double lost);
   bool tips(const StepContext& context) const;
   bool step_once(const Beside& at);
   StepStatus step_twice(const Beside& at, double next);

@@ -168,6 +168,10 @@ double slowest_period(const StepContext& context) {
   return std::min(use::period_per_time_scale * longest, left_of_run(context));
 }
 
+double vibration_lasts(const StepContext& context) {
+  return std::min(0.5 * decay_time(context, slowest_period(context)), context.model.longest_lasting());
+}
+
 NearestObstacle nearest_obstacle(const StepContext& context, const State& state) {
   NearestObstacle nearest;
   for (const Plane& plane : context.drive.planes) {

@@ -28,6 +28,8 @@ struct Outlook {
 double left_of_run(const StepContext& context);
 /// Approximate period of the slowest vibration [s].
 double slowest_period(const StepContext& context);
+/// Time in which damping takes the energy of the slowest vibration to 1 / e [s]; infinite without damping.
+double vibration_lasts(const StepContext& context);
 /// The obstacle that a control point, or sample, is nearest to or furthest behind. The drive must have planes.
 struct NearestObstacle {
   const Plane* plane = nullptr;

@@ -176,16 +176,19 @@ struct StiffContact {
   FinalError trusted{};   ///< final error of one such window, as of the last window that was run twice
   Count rest_trust = 0, next_rest_trust = 1;  ///< the same for steps at rest
   double step = 0;                            ///< step size at rest [s]; 0: none yet
+  double damped = 0;                          ///< energy that steps at rest have taken and damping would have left [J]
   double unknown = 0;                         ///< error that unknown phases of the vibrations at impacts may have added [m]
   double flown = 0;                           ///< possible error of vibrations in flight [m]; 0: not known
 
   /// Begins a phase anew. Possible errors stay, and so does the number of doubts unless the phase is a flight.
-  void begin(Phase next) { *this = {.phase = next, .doubts = next == Phase::flight ? 0 : doubts, .unknown = unknown, .flown = flown}; }
+  void begin(Phase next) {
+    *this = {.phase = next, .doubts = next == Phase::flight ? 0 : doubts, .damped = damped, .unknown = unknown, .flown = flown};
+  }
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.phase, s.settling, s.looks, s.impulse, s.listened, s.loudest, s.pressing, s.since, s.doubts, s.trust, s.next_trust,
-                  s.trusted, s.rest_trust, s.next_rest_trust, s.step, s.unknown, s.flown);
+                  s.trusted, s.rest_trust, s.next_rest_trust, s.step, s.damped, s.unknown, s.flown);
   }
 };
 static_assert(visits_every_field<StiffContact>);

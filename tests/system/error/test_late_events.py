@@ -4,11 +4,13 @@ a row on springs along z have closed forms."""
 import numpy as np
 import pytest
 
-from scenes import box
+from scenes import GRAVITY, box
 from softffd import simulate
+from textbook import stated
 
 STIFFNESS, HELD, TOLERANCE = 1e3, 4e3, 1e-6
 OMEGA, STEP = np.sqrt(8e3), 0.01
+FINE = {"solver.method": "leapfrog", "solver.step": 4e-6}
 IN_A_ROW = {"points": [2, 2, 2], "damping": 0.0, "tolerance": TOLERANCE}
 
 
@@ -80,3 +82,24 @@ def test_a_stiff_body_that_never_comes_to_its_plane_is_integrated_as_without(hei
         ends.append(simulate(scene, stop_time=1.0, step=STEP, inputs={"load.up.z": 2e6, "load.down.z": -2e6}).positions[-1])
     assert np.abs(ends[0] - ends[1]).max() < TOLERANCE
     assert ends[1][0, 0, 1, 2] - 1 == pytest.approx(2e6 / 8e8 * (1 - np.cos(4e4)), abs=TOLERANCE)
+
+
+@pytest.mark.parametrize("velocity", [0.0, -10.0])
+def test_a_floor_that_is_taken_away_sets_vibrations_free(velocity):
+    """An undamped cube is laid on the floor. While weight presses the cube on, steps damp what cannot move it. Then the cube falls with
+    what it had: 42 tolerances apart, and that is stated."""
+    floor = {"name": "floor", "friction": 0.4, "motion": "input", "inputs": ["point", "velocity"]}
+    mass = {"total": 1.0}
+    body = box(size=[0.2] * 3, mass=mass, stiffness=1e5, damping=0.0, gravity=GRAVITY, plane=[floor], outputs={"solver": True})
+
+    def moves(time):
+        since = time - 0.195
+        return {
+            "plane.floor.point.z": -10.0 * (max(since, 0.0) if velocity else since > 0),
+            "plane.floor.velocity.z": velocity * (since > 0),
+        }
+
+    runs = [simulate(body, stop_time=0.5, step=STEP, inputs=moves, start_values=values) for values in ({}, FINE)]
+    error = np.abs(runs[0].positions[-1] - runs[1].positions[-1]).max()
+    assert error > 10 * 1e-4 * 0.2
+    assert error / 3 < stated(runs[0])[-1] < 3 * error
