@@ -7,6 +7,13 @@
 
 namespace softffd::fmi {
 
+namespace {
+
+/// Means and rates over shorter steps overflow [s].
+constexpr double shortest_step = 1e-290;
+
+}  // namespace
+
 void Times::check_step(double time, double step) const {
   const double rounding = 16 * std::numeric_limits<double>::epsilon() * std::max(std::abs(now), std::abs(start));
   const double slack = rounding + std::min(1e-9 * std::max(1.0, now - start), 0.01 * std::abs(step));
@@ -14,7 +21,8 @@ void Times::check_step(double time, double step) const {
     throw CallError("currentCommunicationPoint: wanted " + number(now) + " s, got " + number(time) + ", " + number(time - now) + " s off");
   if (!std::isfinite(step) || !(step > 0)) throw CallError("communicationStepSize: wanted > 0 s, got " + number(step));
   const double passed = std::max(std::abs(now), now - start);  // the clock of the body starts at 0
-  if (const double least = std::nextafter(passed, std::numeric_limits<double>::infinity()) - passed; step < least)
+  const double spacing = std::nextafter(passed, std::numeric_limits<double>::infinity()) - passed;
+  if (const double least = std::max(spacing, shortest_step); step < least)
     throw CallError("communicationStepSize: wanted at least " + number(least) + " s at time " + number(now) +
                     " s, where a shorter step does not advance time, got " + number(step));
   if (now + step > stop + rounding + 1e-9 * std::max(1.0, stop - start))

@@ -47,7 +47,9 @@ TEST(a_step_that_does_not_advance_time_is_refused_with_the_smallest_one) {
   for (const softffd::fmi::Times times : {softffd::fmi::Times{.start = 1e15, .now = 1e15}, {.start = 0, .now = 1e15}})
     CHECK(refused_step(times, 1e15, 0.01) == wanted + ", got 0.01" && refused_step(times, 1e15, 0.125).empty());
   CHECK(!refused_step({.start = -4, .now = 0}, 0, 1e-20).empty());  // the body's clock is at 4 s
-  CHECK(refused_step({}, 0, 1e-300).empty());
+  CHECK(refused_step({}, 0, 1e-290).empty());
+  for (const double step : {1e-300, 1e-308, 5e-324})  // rates over them overflow
+    CHECK(refused_step({}, 0, step).find("communicationStepSize: wanted at least 1e-290 s at time 0 s") == 0);
 }
 
 TEST(the_horizon_is_the_length_of_the_run_or_the_one_expected) {
