@@ -43,7 +43,7 @@ def host_library() -> Path:
 
 @cache
 def loaded_library() -> CDLL:
-    """Returns `host_library`, loaded for good: unloading it would leave behind the memory of its C++ runtime, 70 kB, each time."""
+    """Returns `host_library`, loaded for good."""
     return CDLL(str(host_library()))
 
 

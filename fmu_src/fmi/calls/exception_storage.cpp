@@ -1,5 +1,7 @@
 #include "calls/exception_storage.hpp"
 
+#include <exception>  // defines __GLIBCXX__
+
 #ifndef _MSC_VER
 namespace __cxxabiv1 {
 
@@ -10,7 +12,24 @@ extern "C" __cxa_eh_globals* __cxa_get_globals() noexcept;
 }  // namespace __cxxabiv1
 #endif
 
+#ifdef __GLIBCXX__
+namespace __gnu_cxx {
+
+/// Frees the memory of libstdc++ for exceptions. The library exports it for memory checkers and does not declare it in a header.
+void __freeres();
+
+}  // namespace __gnu_cxx
+#endif
+
 namespace softffd::fmi {
+
+#ifdef __GLIBCXX__
+namespace {
+
+__attribute__((destructor)) void free_exception_pool() { __gnu_cxx::__freeres(); }
+
+}  // namespace
+#endif
 
 #ifdef __ELF__
 namespace {

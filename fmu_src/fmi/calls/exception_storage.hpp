@@ -5,6 +5,9 @@
 ///                           glibc does not do so if there is no room for them (`initial-exec` would refuse to load the library)
 ///
 /// One such access covers all bytes of the library, including those of the C++ runtime. On ARM, every access is compiled in this way.
+///
+/// The C++ runtime is a part of the library. When it is loaded, libstdc++ allocates 70 kB for exceptions that are thrown when no memory is
+/// left, and never frees them. The library frees them when it is unloaded, because hosts load and unload it for each run.
 #pragma once
 
 namespace softffd::fmi {

@@ -6,6 +6,9 @@
 #else
 #include <dlfcn.h>
 #endif
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace {
 
@@ -45,6 +48,19 @@ std::vector<double> run(const Calls& call, const std::string& resources) {
 }
 
 }  // namespace
+
+#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
+TEST(unloading_leaves_no_memory_behind) {
+  size_t before = 0;
+  for (int i = 0; i < 10; ++i) {
+    void* handle = library();
+    CHECK(handle != nullptr && dlclose(handle) == 0);
+    CHECK(dlopen(SOFTFFD_LIBRARY, RTLD_NOW | RTLD_NOLOAD) == nullptr);
+    if (i == 0) before = mallinfo2().uordblks;
+  }
+  CHECK(mallinfo2().uordblks < before + 70'000);  // what the C++ runtime allocates in one load; the loader itself keeps some kB
+}
+#endif
 
 TEST(the_library_file_runs_to_the_same_bits) {
   const auto handle = library();
