@@ -116,6 +116,8 @@ Run empty_run(const Definition& definition) {
   if (!patches.empty()) run.physical.exchange.touched.assign(definition.planes, Points::Zero(int(areas.size()), 3));
   for (const Patch& patch : patches) run.sensors.push_back({.taxels = Points::Zero(patch.taxel_count(), 3)});
   run.contacts.resize(definition.planes);
+  run.plane_reactions.resize(definition.planes);
+  run.pin_reactions.resize(definition.pins.size());
   run.centres.resize(definition.planes, Vec3::Zero());
   State& motion = run.physical.motion;
   for (Points* points : {&motion.x, &motion.v, &motion.spring}) points->setZero(n, 3);

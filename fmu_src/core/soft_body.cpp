@@ -20,14 +20,9 @@ namespace {
 bool any(const Points& points) { return points.abs().sum() != 0; }
 
 bool finite(const Run& run) {
-  const auto mean_is_finite = [H = run.exchange_time](const Impulse& impulse) {
-    return (impulse.force / H).allFinite() && (impulse.torque / H).allFinite();
-  };
-  const Exchange& exchange = run.physical.exchange;
-  return all_finite(run.physical.motion) && all_finite(exchange) && all_finite(run.potential) && all_finite(run.energy) &&
-         all_finite(run.work) && all_finite(run.dissipated) && all_finite(run.centres) && all_finite(run.sensors) &&
-         !std::isnan(run.control.bound) && std::all_of(exchange.planes.begin(), exchange.planes.end(), mean_is_finite) &&
-         std::all_of(exchange.pins.begin(), exchange.pins.end(), mean_is_finite);
+  return all_finite(run.physical.motion) && all_finite(run.physical.exchange) && all_finite(run.potential) && all_finite(run.energy) &&
+         all_finite(run.work) && all_finite(run.dissipated) && all_finite(run.plane_reactions) && all_finite(run.pin_reactions) &&
+         all_finite(run.centres) && all_finite(run.sensors) && !std::isnan(run.control.bound);
 }
 
 }  // namespace
@@ -254,7 +249,8 @@ StepStatus SoftBody::initialize(double t0) {
   now_.physical.damped_error = now_.physical.damped_fading = 0;
   now_.physical.surface.forget();
   now_.physical.exchange.clear();
-  now_.exchange_time = 1;
+  now_.hidden = now_.pin_time = 0;
+  std::ranges::fill(now_.pin_reactions, Wrench{});
   now_.dissipated = now_.work = 0;
   now_.energy = {};
   now_.contacts_resolved = 0;
@@ -262,7 +258,8 @@ StepStatus SoftBody::initialize(double t0) {
   bool moved = place_pins(false);
   const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
-  look_at_planes();
+  look_at_planes(1);
+  if (followed_) followed_->start(now_);
   model_.body.internal_force(motion.x, motion.spring);
   if (definition_.watch_energy) now_.potential = potential_energy();
   now_.free_energy = readings().free_energy();
@@ -278,12 +275,11 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   if (changed) take_material();
   const StepStatus status = refresh_drive();
   if (status != StepStatus::ok) return status;
-  const bool continued = motion.time > start_time_ && hides_means({model_.body, drive_}, motion, settings.horizon, H);
-  if (followed_) followed_->begin(model_, now_, continued);
+  const HiddenForces hidden = hidden_forces({model_.body, drive_}, now_, H);
+  if (followed_) followed_->begin(model_, now_);
   for (const Plane& plane : drive_.planes)  // distances are squared
     if (!std::isfinite(plane.pose_at(motion.time + H).point.squaredNorm())) return StepStatus::not_finite;
-  exchange.clear(continued);
-  now_.exchange_time = H + (continued ? now_.exchange_time : 0);
+  exchange.clear(now_.hidden > 0, now_.pin_time > 0);
   bool& moved = moved_ = place_pins(true);
   const StepStatus cleared = clear_jumps(moved);
   if (cleared != StepStatus::ok) return cleared;
@@ -310,13 +306,15 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   const StepStatus ran = propagator_.advance({model_, drive_, request, now_}, H);
   if (definition_.solids) meet_solids(drive_);
   if (ran != StepStatus::ok) return ran;
-  if (followed_ && !continued) followed_->end(model_.body, H, now_);
+  const double of_means = time_of_means(hidden, before_, before_.physical.motion.time == start_time_, H, now_);
+  if (followed_) followed_->end(model_.body, of_means, before_, now_);
   if (drive_.ramped)
     drive_.force_at(motion.time, now_.outside.change());
   else
     now_.outside.copy(drive_.force, force_mark_);
   if (watched) close_account(now_, model_, drive_, begin, booked);
-  look_at_planes();
+  take_means_of_pins(H, now_);
+  look_at_planes(of_means);
   now_.contacts_resolved += exchange.contacts_resolved;
   if (definition_.watch_energy) {
     now_.potential = potential_energy();
@@ -326,16 +324,18 @@ StepStatus SoftBody::advance_from_here(double H, double step_factor, bool change
   return finite(now_) ? StepStatus::ok : StepStatus::not_finite;
 }
 
-void SoftBody::look_at_planes() {
+void SoftBody::look_at_planes(double of_means) {
   const State& motion = now_.physical.motion;
   if (surface_) surface_->count(drive_, motion.time, motion.x, now_.contacts);
   for (std::size_t q = 0; q < drive_.planes.size(); ++q) {
     const HalfSpace plane = drive_.planes[q].at(motion.time);
     if (!surface_) now_.contacts[q] = points_on(plane, model_.body.length, motion.x);
+    if (of_means == 0) continue;
     const Impulse& on = now_.physical.exchange.planes[q];
+    now_.plane_reactions[q] = on.mean(of_means);
     now_.centres[q] = drive_.planes[q].solid() ? centre_of_places(plane, on) : centre_of_pressure(plane, on);
   }
-  if (sensors_) sensors_->read(drive_, settings.tolerance * model_.body.length, now_);
+  if (sensors_ && of_means > 0) sensors_->read(drive_, settings.tolerance * model_.body.length, of_means, now_);
 }
 
 void SoftBody::restore(const Run& run, double start_time) {

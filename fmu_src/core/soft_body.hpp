@@ -9,6 +9,7 @@
 #include "forces/regions.hpp"
 #include "forces/solid.hpp"
 #include "stepping/propagator.hpp"
+#include "watch/means.hpp"
 #include "watch/readings.hpp"
 #include "watch/sensors.hpp"
 
@@ -99,7 +100,8 @@ class SoftBody {
   void refresh_free_bodies();
   void start_free_bodies(const Vec3& centre);
   StepStatus clear_jumps(bool& moved);
-  void look_at_planes();  ///< finds what touches the obstacles, and their centres of pressure
+  /// Finds what touches the obstacles, and takes the means of contact over a time [s]; 0: those before stay.
+  void look_at_planes(double of_means);
   bool place_pins(bool book);
   double potential_energy() const { return readings().elastic_energy() + readings().gravity_energy(); }
   void take_material();

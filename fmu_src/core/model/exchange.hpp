@@ -1,5 +1,6 @@
 /// Reactions of the body on the outside during one communication step.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "model/plane.hpp"
@@ -21,6 +22,7 @@ struct Impulse {
     pressed += along;
     places += along * arm;
   }
+  Wrench mean(double time) const { return {force / time, torque / time}; }
   Impulse& operator+=(const Impulse& other) {
     force += other.force;
     torque += other.torque;
@@ -58,12 +60,13 @@ struct PointReading {
   double speed = 0;                 ///< [m/s]
   double largest_acceleration = 0;  ///< largest mean over one interval [m/s2]
   double von_mises = 0;             ///< only if the stress is wanted [Pa]
+  Vec3 begun = Vec3::Zero();        ///< velocity at the start of the time of the next mean [m/s]
   Vec3 from = Vec3::Zero();         ///< velocity at the start of the current interval [m/s]
   double since = 0;                 ///< time since the start of that interval [s]
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.acceleration, s.speed, s.largest_acceleration, s.von_mises, s.from, s.since);
+    return fields(s.acceleration, s.speed, s.largest_acceleration, s.von_mises, s.begun, s.from, s.since);
   }
 };
 static_assert(visits_every_field<PointReading>);
@@ -88,13 +91,13 @@ struct Exchange {
   void touch(std::size_t obstacle, int at, const Vec3& impulse) {
     if (!touched.empty()) touched[obstacle].row(at) += impulse.array().transpose();
   }
-  /// Resets the energies and the number of contacts for a new communication step, and the impulses unless it continues those before.
-  void clear(bool continued = false) {
+  /// Resets what a communication step collects, but for impulses of obstacles or pins that wait for their means (watch/means.hpp).
+  void clear(bool planes_wait = false, bool pins_wait = false) {
     dissipated = work = 0;
     contacts_resolved = 0;
-    if (continued) return;
-    for (auto* impulses : {&planes, &pins})
-      for (Impulse& impulse : *impulses) impulse = {};
+    if (!pins_wait) std::ranges::fill(pins, Impulse{});
+    if (planes_wait) return;
+    std::ranges::fill(planes, Impulse{});
     for (Points& impulses : touched) impulses.setZero();
   }
 

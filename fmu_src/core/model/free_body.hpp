@@ -49,10 +49,16 @@ struct Twist {
   Vec3 at(const Vec3& arm) const { return move + turn.cross(arm); }
 };
 
-/// A force on a body and its torque about the centre [N], [N m].
+/// A force on a body and its torque about a point, which is the body's centre unless said otherwise [N], [N m].
 struct Wrench {
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.force, s.torque);
+  }
 };
+static_assert(visits_every_field<Wrench>);
 
 /// A free body under its loads, in flight from the state of the run. A free part is the frame of a pin and moves with the points of the
 /// pin: its state is that of the common centre of mass, its orientation that of the frame. Loads change its motion only by kicks, like

@@ -362,19 +362,21 @@ struct Run {
   PhysicalState physical;
   ControllerState control;
   EnergyAccount energy;
-  double exchange_time = 1;                        ///< time over which the impulses of `exchange` add up [s]
+  double pin_time = 0;                             ///< time of the impulses of pins that wait for their means [s] (watch/means.hpp)
+  double hidden = 0;                               ///< momentum that forces gave in steps that wait for their means [N s] (watch/means.hpp)
   double dissipated = 0, work = 0, potential = 0;  ///< [J]; potential: as of the last look
   double free_energy = 0;                          ///< energy of free bodies at the start [J]
   MarkedPoints outside;                            ///< outside forces at the end of the last communication step [N]
   Count contacts_resolved = 0;
   std::vector<Count> contacts;  ///< number of control points, or surface samples, that touch each plane at the communication point
-  std::vector<Vec3> centres;    ///< centre of pressure on each plane in the last communication step, with the plane as at its end [m]
+  std::vector<Wrench> plane_reactions, pin_reactions;  ///< means on the obstacles, about their points, and on the pins, about their origins
+  std::vector<Vec3> centres;  ///< centre of pressure on each plane in the last communication step, with the plane as at its end [m]
   std::vector<SensorReading> sensors;
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
-    return fields(s.physical, s.control, s.energy, s.exchange_time, s.dissipated, s.work, s.potential, s.free_energy, s.outside,
-                  s.contacts_resolved, s.contacts, s.centres, s.sensors);
+    return fields(s.physical, s.control, s.energy, s.pin_time, s.hidden, s.dissipated, s.work, s.potential, s.free_energy, s.outside,
+                  s.contacts_resolved, s.contacts, s.plane_reactions, s.pin_reactions, s.centres, s.sensors);
   }
 };
 static_assert(visits_every_field<Run>);

@@ -11,7 +11,7 @@ constexpr double half = 0.5;
 
 }  // namespace
 
-FollowedPoints::FollowedPoints(const Sensed& sensed, const Lattice& lattice) : begun_(sensed.followed.size(), Vec3::Zero()) {
+FollowedPoints::FollowedPoints(const Sensed& sensed, const Lattice& lattice) {
   for (const FollowedPoint& point : sensed.followed) {
     followed_.push_back({embed(sensed.basis, lattice, point.at), std::nullopt, point.maximum});
     if (point.stress) followed_.back().place.emplace(lattice, point.at);
@@ -19,13 +19,16 @@ FollowedPoints::FollowedPoints(const Sensed& sensed, const Lattice& lattice) : b
   }
 }
 
-void FollowedPoints::begin(const Model& model, Run& run, bool continued) {
+void FollowedPoints::start(Run& run) const {
+  for (std::size_t n = 0; n < followed_.size(); ++n) run.physical.exchange.points[n] = {.begun = followed_[n].value(run.physical.motion.v)};
+}
+
+void FollowedPoints::begin(const Model& model, Run& run) {
   const State& motion = run.physical.motion;
   if (every_step_) radian_ = half * model.stability.stable_step(model.body, motion.x);
-  if (continued) return;
   for (std::size_t n = 0; n < followed_.size(); ++n) {
-    begun_[n] = followed_[n].value(motion.v);
-    run.physical.exchange.points[n] = {.from = begun_[n]};
+    PointReading& reading = run.physical.exchange.points[n];
+    reading = {.begun = reading.begun, .from = followed_[n].value(motion.v)};
   }
 }
 
@@ -54,11 +57,15 @@ void FollowedPoints::step(const Body& body, double h, Run& run) const {
   }
 }
 
-void FollowedPoints::end(const Body& body, double H, Run& run) const {
+void FollowedPoints::end(const Body& body, double time, const Run& before, Run& run) const {
+  if (time == 0) run.physical.exchange.points = before.physical.exchange.points;
+  if (time == 0) return;
   const State& motion = run.physical.motion;
   for (std::size_t n = 0; n < followed_.size(); ++n) {
     PointReading& reading = run.physical.exchange.points[n];
-    reading.acceleration = (followed_[n].value(motion.v) - begun_[n]) / H;
+    const Vec3 now = followed_[n].value(motion.v);
+    reading.acceleration = (now - reading.begun) / time;
+    reading.begun = now;
     if (followed_[n].maximum) look(body, followed_[n], reading.acceleration.norm(), motion, reading);
   }
 }

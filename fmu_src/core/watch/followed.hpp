@@ -19,14 +19,16 @@ class FollowedPoints {
  public:
   FollowedPoints(const Sensed& sensed, const Lattice& lattice);
 
-  /// Call when a communication step begins. continued: it is too short for means and continues the readings before, without an end.
-  void begin(const Model& model, Run& run, bool continued = false);
+  /// Call at the start of a run.
+  void start(Run& run) const;
+  /// Call when a communication step begins.
+  void begin(const Model& model, Run& run);
   /// Call after an internal step of length h [s].
   void step(const Body& body, double h, Run& run) const;
   /// True if internal steps have to be looked at.
   bool every_step() const { return every_step_; }
-  /// Call when a communication step of length H [s] ends.
-  void end(const Body& body, double H, Run& run) const;
+  /// Call when a communication step ends. time: of its means [s]; 0: the readings stay as they are `before` it (watch/means.hpp).
+  void end(const Body& body, double time, const Run& before, Run& run) const;
 
  private:
   struct Followed {
@@ -38,8 +40,7 @@ class FollowedPoints {
   void look(const Body& body, const Followed& each, double acceleration, const State& motion, PointReading& reading) const;
 
   std::vector<Followed> followed_;
-  std::vector<Vec3> begun_;  ///< velocities at the beginning of the communication step [m/s]
-  double radian_ = 0;        ///< time over which accelerations are averaged [s]
+  double radian_ = 0;  ///< time over which accelerations are averaged [s]
   bool every_step_ = false;
 };
 

@@ -4,28 +4,9 @@
 
 #include "body/rigid_motion.hpp"
 #include "contact/surface/tangents.hpp"
-#include "contact/tolerances.hpp"
 #include "methods/traits.hpp"
 
 namespace softffd {
-
-namespace thresholds {
-
-/// Fraction of the run above which every communication step has means of its own [1].
-constexpr double sure_of_means = 1e-7;
-/// What forces move a point in a communication step must be this multiple of rounding for means of the step [1].
-constexpr double known_means = 10;
-
-}  // namespace thresholds
-
-bool hides_means(const Equations& equations, const State& motion, double horizon, double H) {
-  if (H > thresholds::sure_of_means * horizon) return false;
-  const auto& [body, drive] = equations;
-  double fastest = 0;  // acceleration of what no pin holds [m/s2]
-  for (int p = 0; p < body.points(); ++p)
-    if (!body.pinned[p]) fastest = std::max(fastest, (row(motion.spring, p) + row(drive.force, p)).norm() / body.mass[p]);
-  return fastest * H * H < thresholds::known_means * rounding * motion.x.abs().maxCoeff();
-}
 
 double Readings::kinetic_energy() const {
   double energy = 0.5 * (model.body.mass * now.physical.motion.v.square().rowwise().sum()).sum();

@@ -13,10 +13,6 @@ namespace softffd {
 /// not been seen to.
 inline constexpr double rubbing = 0.3;
 
-/// True if rounding of positions hides what forces move the points in a communication step of length H [s], and with that the impulses of
-/// contact. Only rounding in a host makes steps so short. horizon: length of the run [s].
-bool hides_means(const Equations& equations, const State& motion, double horizon, double H);
-
 struct Readings {
   const Model& model;
   const Drive& drive;
@@ -26,8 +22,8 @@ struct Readings {
   double given_step;        ///< internal step that the user gives [s]; 0: none
   bool moved;               ///< pins or planes displaced points at once when the last communication step began
 
-  Vec3 plane_reaction(int q) const { return now.physical.exchange.planes[q].force / now.exchange_time; }
-  Vec3 plane_torque(int q) const { return now.physical.exchange.planes[q].torque / now.exchange_time; }
+  Vec3 plane_reaction(int q) const { return now.plane_reactions[q].force; }
+  Vec3 plane_torque(int q) const { return now.plane_reactions[q].torque; }
   const Vec3& plane_centre(int q) const { return now.centres[q]; }
   Count plane_contacts(int q) const { return now.contacts[q]; }
   const PointReading& followed(int n) const { return now.physical.exchange.points[n]; }
@@ -38,8 +34,8 @@ struct Readings {
     for (; n >= now.sensors[of].taxels.rows(); ++of) n -= int(now.sensors[of].taxels.rows());
     return row(now.sensors[of].taxels, n);
   }
-  Vec3 pin_reaction(int a) const { return now.physical.exchange.pins[a].force / now.exchange_time; }
-  Vec3 pin_torque(int a) const { return now.physical.exchange.pins[a].torque / now.exchange_time; }
+  Vec3 pin_reaction(int a) const { return now.pin_reactions[a].force; }
+  Vec3 pin_torque(int a) const { return now.pin_reactions[a].torque; }
 
   /// Return how far pin a, or obstacle q, displaced points at once when the last communication step began [m].
   double pin_jump(int a) const;

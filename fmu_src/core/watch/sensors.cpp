@@ -64,7 +64,7 @@ void Sensors::find_touches(const Plane& obstacle, double within, const Points& i
   load_.take(touches_);
 }
 
-void Sensors::read(const Drive& drive, double within, Run& run) {
+void Sensors::read(const Drive& drive, double within, double time, Run& run) {
   const int count = int(sensed_.areas.size());
   force_.setZero(count, 3);
   for (Scalars* each : {&pressing_, &area_, &largest_}) each->setZero(count);
@@ -83,11 +83,10 @@ void Sensors::read(const Drive& drive, double within, Run& run) {
       largest_[at] = std::max(largest_[at], pressure[t]);
     }
   }
-  for (std::size_t n = 0; n < sensed_.patches.size(); ++n) show(sensed_.patches[n], run, run.sensors[n]);
+  for (std::size_t n = 0; n < sensed_.patches.size(); ++n) show(sensed_.patches[n], run, 1 / time, run.sensors[n]);
 }
 
-void Sensors::show(const Patch& patch, const Run& run, SensorReading& reading) const {
-  const double once = 1 / run.exchange_time;
+void Sensors::show(const Patch& patch, const Run& run, double once, SensorReading& reading) const {
   Points taxels = std::move(reading.taxels);
   taxels.setZero();
   reading = {};

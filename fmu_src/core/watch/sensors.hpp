@@ -15,12 +15,13 @@ class Sensors {
   /// samples: of the surface; null if control points meet obstacles. All arguments must outlive this object.
   Sensors(const Sensed& sensed, const Lattice& lattice, const Samples* samples);
 
-  /// Call after a communication step: writes `run.sensors`. within: gap up to which a sample counts as touching an obstacle [m].
-  void read(const Drive& drive, double within, Run& run);
+  /// Call after a communication step: writes `run.sensors`. within: gap up to which a sample counts as touching an obstacle [m]. time: of
+  /// the means [s] (watch/means.hpp).
+  void read(const Drive& drive, double within, double time, Run& run);
 
  private:
   void find_touches(const Plane& obstacle, double within, const Points& impulses, const State& motion);
-  void show(const Patch& patch, const Run& run, SensorReading& reading) const;
+  void show(const Patch& patch, const Run& run, double once, SensorReading& reading) const;
   Vec3 place(int at, const Points& x) const { return samples_ ? samples_->at(at, x) : row(x, at); }
   Vec3 area(int at, const Points& x) const;
 

@@ -109,8 +109,9 @@ bool sound(const Run& run) {
   return sound(run.physical.stiff) && sound(run.control.contact) && counter(clock.count) && clock.parts > 0 && counter(clock.parts) &&
          counter(run.physical.steps) && counter(run.control.rejected) && counter(run.control.factored.uses) &&
          run.energy.step_factor >= thresholds::least_step_factor && run.energy.step_factor <= 1 && run.physical.motion.x.allFinite() &&
-         run.physical.motion.v.allFinite() && run.exchange_time > 0 && counter(run.contacts_resolved) &&
-         counter(run.physical.exchange.contacts_resolved) && std::all_of(run.contacts.begin(), run.contacts.end(), counter) &&
+         run.physical.motion.v.allFinite() && run.hidden >= 0 && std::isfinite(run.hidden) && run.pin_time >= 0 &&
+         std::isfinite(run.pin_time) && counter(run.contacts_resolved) && counter(run.physical.exchange.contacts_resolved) &&
+         std::all_of(run.contacts.begin(), run.contacts.end(), counter) &&
          std::ranges::all_of(run.physical.motion.free, [](const FreeState& free) { return sound(free); });
 }
 
