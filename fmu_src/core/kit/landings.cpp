@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "body/rigid_motion.hpp"
-#include "contact/broad_phase.hpp"
 #include "contact/surface/tangents.hpp"
 #include "contact/tolerances.hpp"
 #include "flight/attitude.hpp"
@@ -32,10 +31,6 @@ constexpr double least_cosine_of_guide = 0.1;
 namespace {
 
 namespace use = thresholds;
-
-bool off_obstacles(const StepContext& context, double time, const Points& x) {
-  return off_obstacles(context.model.body, context.drive, time, x, touching * context.model.body.length);
-}
 
 Vec3 mean(const Scalars& mass, const Points& x) { return (x.colwise() * mass).colwise().sum().matrix().transpose() / mass.sum(); }
 
@@ -176,7 +171,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
     if (!impact) return;
     std::vector<FreeState> end = begin.free;  // free obstacles where they were at the start
     end.swap(physical.motion.free);
-    if (anyway || off_obstacles(context, begin.time, begin.x)) set_beside(context, begin, physical_.motion, flown);
+    if (anyway || in_flight(context, begin.time, begin.x)) set_beside(context, begin, physical_.motion, flown);
     end.swap(physical.motion.free);
     if (!neighbour.follows) return;
   }
@@ -195,7 +190,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
   neighbour.v = physical.motion.v;
   neighbour.free = physical.motion.free;
   neighbour.landed = neighbour.landed || outcome.impacts > 0;
-  const bool alone = off_obstacles(context, physical.motion.time, physical.motion.x);
+  const bool alone = in_flight(context, physical.motion.time, physical.motion.x);
   snapshot.rollback();
   snapshot.commit();
   const Points& x = physical.motion.x;
@@ -206,7 +201,7 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
     const std::size_t k = each.index();
     neighbour.off.place = worse(neighbour.off.place, free_apart(context, each, physical.motion.free[k], neighbour.free[k]).place);
   }
-  const bool flies = alone && off_obstacles(context, physical.motion.time, x);
+  const bool flies = alone && in_flight(context, physical.motion.time, x);
   if ((flies && neighbour.landed) || physical.motion.time - neighbour.impact > slowest_period(context)) part(context, flies);
 }
 

@@ -1,6 +1,6 @@
 /// Finds how landings amplify errors, by a neighbour of the motion: a second body that begins a landing as far off as the run itself may
 /// be. The neighbour is integrated beside the run, with shorter steps at impacts and otherwise with the coarser steps of a sub-interval
-/// that is run twice. It ends when both have landed and are off all obstacles, or have stayed on one for the slowest vibration's period.
+/// that is run twice. It ends when both have landed and are in flight, or have stayed on an obstacle for the slowest vibration's period.
 ///
 ///      landing              contact                    flight                        next landing
 ///      places off by d  ->  steps of both bodies   ->  what they differ by, kept  -> d: that, moved on with its rigid part

@@ -181,6 +181,14 @@ NearestObstacle nearest_obstacle(const StepContext& context, const State& state)
   return nearest;
 }
 
+bool in_flight(const StepContext& context, double time, const Points& x) {
+  const Body& body = context.model.body;
+  const double rounding = touching * body.length, skip = std::max(use::least_error * context.request.tolerance, rounding);
+  return std::ranges::all_of(context.drive.planes, [&](const Plane& obstacle) {
+    return facing(body, obstacle, time, x).gap > (obstacle.solid() ? skip : rounding);
+  });
+}
+
 double pressed_since(const StepContext& context, const std::vector<Impulse>& before) {
   const std::vector<Impulse>& now = context.run.physical.exchange.planes;
   double most = 0;

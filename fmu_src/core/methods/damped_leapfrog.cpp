@@ -42,6 +42,8 @@ DampedLeapfrog::DampedLeapfrog(int points, int planes)
   for (Points* each : {&before_, &middle_, &next_, &force_, &inner_, &acting_, &kicked_, &rates_, &drift_}) each->setZero(points, 3);
 }
 
+double DampedLeapfrog::longest_with_reactions(const Body& body) { return 2 * explicit_kick / body.fastest_damping; }
+
 Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Span& span, Run& run) {
   if (model.body.samples && !drive.planes.empty() && !surface_)
     surface_ = std::make_unique<SurfaceContact>(model.body, int(drive.planes.size()));
@@ -57,7 +59,7 @@ Outcome DampedLeapfrog::advance(const Model& model, const Drive& drive, const Sp
   } else {
     contact_.begin(drive, span.time(0), span.h);
   }
-  resolved_ = 0.5 * span.h * model.body.fastest_damping <= explicit_kick;
+  resolved_ = span.h <= (1 + 1e-9) * longest_with_reactions(model.body);
   for (Count i = 0; i < span.steps && outcome.status == StepStatus::ok; ++i)
     outcome.status = step(model.body, drive, span, i, run.physical);
   outcome.impacts = impacts() - before;

@@ -21,6 +21,8 @@ class DampedLeapfrog {
  public:
   DampedLeapfrog(int points, int planes);
   Outcome advance(const Model& model, const Drive& drive, const Span& span, Run& run);
+  /// Longest step whose kicks contain the reactions of obstacles [s]. In longer steps the error of a lasting contact is of first order.
+  static double longest_with_reactions(const Body& body);
 
  private:
   StepStatus step(const Body& body, const Drive& drive, const Span& span, Count i, PhysicalState& physical);

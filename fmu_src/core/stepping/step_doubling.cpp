@@ -4,13 +4,12 @@
 #include <cmath>
 #include <utility>
 
-#include "contact/broad_phase.hpp"
-#include "contact/tolerances.hpp"
 #include "kit/limits.hpp"
 #include "kit/outlook.hpp"
 #include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
 #include "machine/elementary.hpp"
+#include "methods/damped_leapfrog.hpp"
 #include "model/arithmetic.hpp"
 
 namespace softffd {
@@ -119,16 +118,24 @@ double of_late(ContactSteps& contact, double error, double h, Count steps) {
   return std::max(error, largest * h * h);
 }
 
+/// Returns the step of the coarser run, at most `longest`. The kicks of both runs contain the reactions of obstacles, or those of neither:
+/// otherwise the runs differ by that, which tells nothing of the finer one's error.
+double of_one_kind(const Body& body, double longest) {
+  const double contains = DampedLeapfrog::longest_with_reactions(body);
+  return body.dashpots() && contains < longest && 0.5 * longest <= contains ? contains : longest;
+}
+
 }  // namespace
 
 StepStatus StepDoubling::run(Integrators& integrators, const StepContext& context, double end, double most) {
+  const Body& body = context.model.body;
   const State& motion = context.run.physical.motion;
   const double begin = motion.time, least_left = most < infinity ? integrators.budget().left() - most : -infinity;
   Count taken = 0;
   while (motion.time < end && integrators.budget().left() >= least_left) {
-    const double limit = step_limit(context, Method::leapfrog, false), left = end - motion.time, known = context.run.control.contact.h;
-    const double h = known > 0 ? tighter(known, limit) : limit;
-    const double work = left / limit * step_work(context.model.body, context.drive, context.run, Method::leapfrog, limit);
+    const double limit = of_one_kind(body, step_limit(context, Method::leapfrog, false)), left = end - motion.time;
+    const double known = context.run.control.contact.h, h = known > 0 ? of_one_kind(body, tighter(known, limit)) : limit;
+    const double work = left / limit * step_work(body, context.drive, context.run, Method::leapfrog, limit);
     if (!integrators.budget().covers(work)) return refusal(work);
     const StepStatus status = run_stretch(integrators, context, {limit, h, end, motion.time == begin}, taken);
     if (status != StepStatus::ok) return status;
@@ -187,7 +194,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     if (fine.status != StepStatus::ok) return fine.status;
     const bool impact = coarse.impacts + fine.impacts > 0;
     const bool strikes = impact && body.samples, follows = control.neighbour.follows;
-    const bool lands = strikes && !follows && off_obstacles(body, context.drive, begin, start_.motion.x, touching * body.length);
+    const bool lands = strikes && !follows && in_flight(context, begin, start_.motion.x);
     const bool rattles = (strikes && !lands) || (body.samples && follows && body.dashpots());
     const double allowed = forecast_factor(body, rattles) * context.request.tolerance * power(context.request.step_factor, 2);
     const double stretch_time = double(steps) * part, of_difference = strikes || rattles ? 1 : 1.0 / 3;  // error of the finer run

@@ -75,3 +75,20 @@ def test_rounding_of_places_far_from_the_origin_is_no_error_of_steps(tolerance, 
         run.step(0.01)
         assert run["solver.steps"] < 1000
         assert not run.warnings
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_vertices_that_skip_along_a_drum_do_not_land(tmp_path, friction):
+    """A damped cube is laid on a rotating drum, beside its top. A vertex that slides leaves the drum by the square of its way in a step."""
+    size, tolerance = 0.2, 1e-4
+    vertices, faces = shapes.cube(3, 0.0)
+    drum = {"name": "drum", "radius": 0.5, "length": 1.0, "normal": [0, 1, 0], "point": [0.12, 0.1, -0.5], "angular_velocity": [0, 5, 0]}
+    body = meshed(
+        tmp_path, (size * vertices, faces), lattice={"size": [size] * 3, "origin": [0.0] * 3}, mass={"total": 1.0},
+        material={"youngs_modulus": 1e6, "internal_damping": 1e-3}, gravity=[0.0, 0.0, -9.81],
+        cylinder=[drum | {"friction": friction}], tolerance=tolerance, communication_step=0.01, stop_time=0.1,
+    )  # fmt: skip
+    run = simulate(body)
+    exact = simulate(body, start_values={"solver.method": "leapfrog"}, tolerance=tolerance / 10)
+    assert np.linalg.norm(points(run)[-1] - points(exact)[-1], axis=1).max() < tolerance * size
+    assert stated(run)[-1] == 0
