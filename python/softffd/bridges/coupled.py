@@ -22,6 +22,8 @@ Push = tuple[int, np.ndarray, np.ndarray]
 """A body of the engine, a point (3,) in its frame [m], and the force and torque about it (6,) [N, N.m], world axes"""
 Moment = tuple[Any, list[State], np.ndarray, np.ndarray]
 """The states of engine and soft bodies, the poses of all parts (m, 4, 4), and the wrenches on them (m, 6)"""
+ROUNDING = 1e-14
+"""Difference of poses that rounding leaves, relative to their largest number [1]"""
 
 
 class Engine(Protocol):
@@ -73,8 +75,8 @@ class Bridge:
 
     parts: parts of each soft body. step: communication step [s] of the soft bodies, a multiple or a whole fraction of the engine's step;
         the step of the bridge is the longer of the two. tolerance: a trial of a step is kept if the wrenches that it takes and gives
-        differ by at most this, relative to the largest, > 0. trials: most trials of a step, >= 1; the last one is kept, and the first step
-        that does not meet the tolerance gives a warning.
+        differ by at most this, relative to the largest, > 0, or if they move the engine alike but for rounding. trials: most trials of a
+        step, >= 1; the last one is kept, and the first step that does not meet the tolerance gives a warning.
     """
 
     def __init__(self, engine: Engine, parts: Mapping[Simulation, Sequence[Part]], step: float, tolerance: float, trials: int):
@@ -109,12 +111,12 @@ class Bridge:
                 answers.append(self._answer(poses))
                 misses.append(answers[-1] - pushes)
                 self.trials, self.residual = trial + 1, abs(misses[-1]).max(initial=0) / (abs(answers[-1]).max(initial=0) or 1)
-                if self.residual <= self.tolerance:
+                self.engine.restore(before[0])
+                self._advance(answers[-1])
+                if self.residual <= self.tolerance or abs(self._reached() - poses).max(initial=0) <= ROUNDING * abs(poses).max(initial=0):
                     break
             else:
                 self._tell()
-            self.engine.restore(before[0])
-            self._advance(answers[-1])
         except BaseException:
             self.restore(before)
             raise

@@ -1,5 +1,7 @@
 """Soft bodies in MuJoCo's loop: weight, frequency, energy and momentum against closed forms, substeps, states."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -151,6 +153,20 @@ def test_the_first_step_that_does_not_come_to_its_tolerance_says_so():
             for _ in range(3):
                 bridge.step()
         assert len(said) == 1 and bridge.residual > 1e-16
+
+
+def test_wrenches_that_are_rounding_alone_take_one_trial_and_give_no_warning():
+    wide = FREE.replace('size="0.1" mass="1"', 'size="0.5" mass="3"')
+    model, data = robot(wide, timestep=2e-3, gravity="0 0 0")
+    data.qvel[:3] = [0.1, -0.2, 0.3]
+    scene = box(**CUBE, pin=[{"name": "top", "points": "z+", **LED}], initial={"velocity": [0.1, -0.2, 0.3]})
+    with softffd.Simulation(scene) as cube, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        bridge, trials = couple(model, data, {cube: {"pin.top": "load"}}, tolerance=1e-9), set()
+        for _ in range(20):
+            bridge.step()
+            trials.add(bridge.trials)
+    assert trials == {1}
 
 
 @pytest.mark.parametrize("timestep, step", [(1e-3, 4e-3), (4e-3, 1e-3)])
