@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from coupled_parts import body_fmu
+from scenes import box
 from softffd import Scene, Simulation
 from softffd.fmu.component import Component
 from softffd.scene.scene import scene_from
@@ -146,6 +147,44 @@ def test_a_force_held_over_the_step_feeds_the_contact(coarse, fed):
         z, v = z + STEP * mean, v + STEP * (force - GRAVITY)
         rows.append((z, v))
     assert growth(np.array(rows), omega, STEP) == pytest.approx(fed, rel=0.1, abs=5e-5)
+
+
+LATE: dict[str, tuple[Callable[[float, float, list[float]], float], Callable[[float], float]]] = {
+    "a reaction": (lambda z, ahead, means: means[-1], lambda coarse: coarse / 2),
+    "twice a reaction less the last": (lambda z, ahead, means: 2 * means[-1] - means[-2], lambda coarse: coarse**3 / 2),
+    "of the place": (lambda z, ahead, means: z, lambda coarse: coarse / 4),
+    "half a step ahead": (lambda z, ahead, means: ahead, lambda coarse: 0.0),
+}
+"""The table of docs/inside.md: the place whose force a host sends, from place, place half a step ahead and mean places of the steps [m],
+and the growth per radian if all of the stiffness comes from there"""
+
+
+@pytest.mark.parametrize("late", LATE)
+def test_a_late_force_on_a_mass_inside_feeds_it_as_documented(late):
+    place, fed = LATE[late]
+    mass, step, stiffness = 2.0, 5e-3, 2700.0
+    part = {"name": "m", "points": "z+", "motion": "free", "mass": mass, "guide": [0, 0, 1]}
+    scene = box(
+        points=[2, 2, 2],
+        stiffness=300.0,
+        damping=0.0,
+        mass={"total": 0.05},
+        method="leapfrog",
+        pin=[{"name": "base", "points": "z-"}, part],
+    )
+    with Simulation(scene) as sim:
+        start, means, rows = sim["pin.m.position"][2], [0.0, 0.0], [(0.0, 0.0)]
+        for n in range(250):
+            z, v = rows[-1]
+            sim["pin.m.force"] = (0.0, 0.0, -stiffness * place(z, z + step / 2 * v, means) + 50 * (n < 4))
+            sim.step(step)
+            rows.append((sim["pin.m.position"][2] - start, sim["pin.m.velocity"][2]))
+            means.append((z + rows[-1][0]) / 2)
+    swings = np.array(rows[5:])
+    omega = np.sqrt(np.mean(swings[:, 1] ** 2) / np.mean(swings[:, 0] ** 2))
+    swings[:, 0] -= GRAVITY / omega**2
+    share = stiffness / mass / omega**2
+    assert growth(swings, omega, step) == pytest.approx(share * fed(omega * step), rel=0.3, abs=2e-4)
 
 
 PAD_STIFFNESS, TAU, AREA, HEIGHT = 32374.0, 1e-5, 0.03 * 0.02, 0.01
