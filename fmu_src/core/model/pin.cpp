@@ -7,6 +7,11 @@ namespace softffd {
 
 Vec3 Frame::material_velocity(const Vec3& arm) const { return velocity + spin.cross(arm); }
 
+Vec3 Frame::local(const Vec3& arm) const {
+  const auto& [w, x, y, z] = orientation;
+  return rotated(std::array{w, -x, -y, -z}, rotated(-turn, arm));
+}
+
 namespace {
 
 /// Vector part of 2 p q* for quaternions w x y z: the angular velocity of a rate p at orientation q.

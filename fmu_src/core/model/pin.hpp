@@ -17,6 +17,8 @@ struct Frame {
 
   /// Returns the vector from the origin to a point of the frame [m], in world axes.
   Vec3 arm(const Vec3& local) const { return rotated(turn, rotated(orientation, local)); }
+  /// Returns the vector in the frame's axes that `arm` returns as this one.
+  Vec3 local(const Vec3& arm) const;
   /// Returns the velocity of the frame's material at the end of an arm [m/s].
   Vec3 material_velocity(const Vec3& arm) const;
 };
@@ -41,12 +43,16 @@ struct Pin : PinMotion {
 
   Frame at(double time) const;
   /// True if inputs or parameters move the frame during a communication step.
-  bool moves() const {
-    const auto none = [](const auto& each) { return std::ranges::all_of(each, [](double value) { return value == 0; }); };
-    return !(none(velocity) && none(angular_velocity) && none(acceleration) && none(angular_acceleration) && none(orientation_rate));
-  }
+  bool moves() const { return !none(velocity) || bends(); }
+  /// True if they turn or accelerate it.
+  bool bends() const { return !(none(angular_velocity) && none(acceleration) && none(angular_acceleration) && none(orientation_rate)); }
   /// Returns the frame of the free part in this state.
   Frame frame_of(const FreeState& state) const;
+
+ private:
+  static bool none(const auto& values) {
+    return std::ranges::all_of(values, [](double value) { return value == 0; });
+  }
 };
 
 }  // namespace softffd

@@ -6,7 +6,7 @@ import pytest
 import reference
 from readings import points, vector, velocities
 from scenes import GRAVITY, LED, box
-from softffd import FmuError, simulate
+from softffd import FmuError, Simulation, simulate
 from softffd.rotation import turned
 
 PLACED = {"origin": [0.2, -0.3, 0.4], "size": [0.6, 0.9, 1.2]}
@@ -121,6 +121,46 @@ def test_the_pin_takes_exactly_the_momentum_that_is_missing_with_damping():
     drag = 0.3 * 5e-4 * (start.sum(axis=1) + total[1:]) / 2
     missing = 5e-4 * np.array([0, 0, -9.81]) - drag - (total[1:] - total[:-1]) / 64
     assert 5e-4 * vector(result, "pin.hand.reaction")[1:] == pytest.approx(missing, abs=1e-13)
+
+
+@pytest.mark.parametrize("material", [{"stiffness": 1e7}, {"model": "solid", "youngs_modulus": 1e8}])
+@pytest.mark.parametrize("centre", [[0.5, 0.5, 0.0], [2.5, 0.5, 0.0]])
+def test_a_stiff_body_with_internal_damping_that_a_pin_turns_steadily_feels_no_torque_and_loses_no_energy(centre, material):
+    rate, step, middle = 3.0, 0.1, np.array([0.5, 0.5, 0.5])
+    axis, arm = np.array([0.0, 0.0, rate]), middle - centre
+    hand = {"name": "hand", "points": "z-", "motion": "input", "origin": centre, "inputs": ["orientation", "angular_velocity"]}
+    scene = box(mass={"total": 1.0}, material={"internal_damping": 1e-5, "damping": 0.0, **material}, pin=[hand], velocities="all",
+                energy=True, initial={"velocity": list(np.cross(axis, arm)), "angular_velocity": list(axis)})  # fmt: skip
+
+    def turning(time):
+        half = 0.5 * rate * time
+        pose = dict(zip([f"pin.hand.orientation.{c}" for c in "wxyz"], (np.cos(half), 0.0, 0.0, np.sin(half)), strict=True))
+        return pose | {"pin.hand.angular_velocity.z": rate}
+
+    result = simulate(scene, inputs=turning, stop_time=0.5, step=step)
+    momentum = velocities(result).mean(axis=1)  # of 1 kg
+    right = np.cross(axis, points(result) - centre)
+    turned_momentum = 1.25 * rate / 4.5 + rate * (arm @ arm - 0.25)
+    assert abs(velocities(result) - right).max() < 2e-3 * abs(right).max()
+    assert vector(result, "pin.hand.reaction")[1:] == pytest.approx(-np.diff(momentum, axis=0) / step, abs=1e-9)
+    assert abs(vector(result, "pin.hand.torque")[1:, 2]).max() < 2e-3 * turned_momentum * rate
+    kinetic = result.outputs["energy.kinetic"]
+    assert np.ptp(kinetic) < 3e-3 * kinetic[0]
+    assert abs(result.outputs["energy.dissipated"][-1]) < 2e-3 * kinetic[0]
+
+
+def test_the_torque_that_turns_a_stiff_body_faster_is_of_second_order_in_implicit_steps():
+    right = -20.0 * (1 + 5 / 18)  # 20 rad/s2 times the moment of inertia of 1 kg about an axis at 1 m from the middle
+    hand = {"name": "hand", "points": "z-", "motion": "input", "origin": [1.5, 0.5, 0.0], "inputs": ["angular_velocity"]}
+    off = []
+    for steps in (10, 20, 40):
+        scene = box(stiffness=1e6, internal_damping=1e-4, damping=0.0, mass={"total": 1.0}, pin=[hand], method="sdirk2", step=0.2 / steps)
+        with Simulation(scene) as sim:
+            sim.set_rates({"pin.hand.angular_velocity.z": 20.0})
+            sim.step(0.2)
+            off.append(abs(sim["pin.hand.torque"][2] - right))
+    assert off[0] < 1e-3 * abs(right)
+    assert np.log2(np.divide(off[:-1], off[1:])) == pytest.approx([2.0, 2.0], abs=0.15)
 
 
 def test_the_torque_on_the_fixture_balances_the_weight_of_a_cantilever():

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/implicit/carried.hpp"
 #include "machine/elementary.hpp"
 namespace softffd {
 
@@ -90,10 +91,15 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   ++steps_;
   const double part = gamma * h, rest = (1 - gamma) * h, weight = (1 - gamma) / gamma;
   const double way = span.way;
-  const Step first{equations, t, part, state, t + part, kept_, &state.v, span.again, way, accuracy};
+  Carried carried(equations.around, t, state.x);
+  start_ = state;
+  carried.place(0, part, start_.x);
+  const Points& turned_v = carried.ahead(state.v, t, t + part);
+  const Step first{equations, t, part, start_, t + part, kept_, &turned_v, span.again, way, accuracy, carried.bends()};
   open(first);
   if (const StepStatus status = stage_.solve(first); status != StepStatus::ok) return status;
-  if (stage_.strikes(first)) return strike(equations, t, h, watch, state, exchange);
+  if (stage_.strikes({equations, t, part, state, t + part, nullptr, nullptr, false, way}))
+    return strike(equations, t, h, watch, state, exchange);
   add_torques(rest);
   const auto work_of_loads = [&](const auto& v) { return (stage_.force() * v).sum(); };
   const auto work_of_ramps = [&](double time, const Points& v) { return equations.around.ramped ? equations.around.ramp_dot(time, v) : 0; };
@@ -104,19 +110,18 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   first_v_ = stage_.v;
   first_free_ = stage_.free;
   start_.x = state.x + rest * first_v_;
+  carried.place(rest, part, start_.x);
   start_.v = state.v + weight * (first_v_ - state.v);
   start_.spring = stage_.spring;
-  start_.free = state.free;
   for (const FreeMotion& each : equations.around.free) {
     const FreeState &from = state.free[each.index()], &by = stage_.free[each.index()];
     FreeState& start = start_.free[each.index()] = each.moved(from, by, rest);
     start.velocity = from.velocity + weight * (by.velocity - from.velocity);
     start.momentum = from.momentum + weight * (by.momentum - from.momentum);
   }
-  start_.holds = state.holds;
-  start_.held_rows = state.held_rows;
   stage_.touches().hold(start_);
-  const Step second{equations, t + rest, part, start_, t + h, kept_, &first_v_, true, way, accuracy};
+  const Points& turned_first = carried.ahead(first_v_, t + part, t + h);
+  const Step second{equations, t + rest, part, start_, t + h, kept_, &turned_first, true, way, accuracy, carried.bends()};
   if (const StepStatus status = stage_.solve(second); status != StepStatus::ok) return status;
   const Step whole{equations, t, h, state, t + h, nullptr, nullptr, false, way};
   if (stage_.strikes(whole)) {

@@ -128,7 +128,7 @@ void ImplicitStage::predict(const Step& step) {
   for (int p = 0; p < u_.rows(); ++p) {
     const Vec3 arm = row(step.from.x, p) - motion.centre;
     const Vec3 straight = step.along ? Vec3(step.h * row(*step.along, p)) : Vec3(step.h * motion.velocity + turn.cross(arm));
-    set_row(u_, p, straight + second_order(turn, arm));
+    set_row(u_, p, step.turned ? straight : Vec3(straight + second_order(turn, arm)));
   }
 }
 

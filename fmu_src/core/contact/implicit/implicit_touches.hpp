@@ -31,6 +31,7 @@ class ImplicitTouches {
     bool same_matrix = false;       ///< the matrix of the step before may serve: body and h are the same
     double way = 0;                 ///< distance by which the solution may be off [m]
     double accuracy = 1e-8;         ///< allowed residual of the balance over the largest force [1]; rounding of the forces comes on top
+    bool turned = false;            ///< `along` has turned to the end of the step already
   };
   /// Action of one touch on the body.
   struct Reaction {
