@@ -30,6 +30,7 @@ FloatingFrame::FloatingFrame(const Lattice& lattice, Ros34pw2& deformation)
 }
 
 Outcome FloatingFrame::attempt_in(const Equations& equations, double t, double h, Run& run) {
+  growth_ = run.control.tumbling.growth;
   return deformation_.with_factor_of(run, true, [&] { return attempt(equations, t, h, run.physical.motion); });
 }
 
@@ -52,7 +53,7 @@ double FloatingFrame::attempt(const Equations& equations, double t, double h, co
   const double error = deformation_.attempt(in_frame, t, h, shape_);
   const double neglected = leave_frame(equations, t + h, h, end);
   if (ledger.recording()) lose(equations, t, h, state);
-  return error + neglected + rigid_error;
+  return error + neglected + growth_ * rigid_error;
 }
 
 void FloatingFrame::enter_frame(const Body& body, const State& state, const RigidState& rigid) {
@@ -84,7 +85,8 @@ void FloatingFrame::load_frame(const Equations& equations, double t, const Rigid
 }
 
 /// Composes the motion: the deformation without its centre's motion, the spin, and a turn by half a step of the spin that the angular
-/// momentum adds. Returns how far the neglected forces of the frame on the deformation may move a point in the step [m].
+/// momentum adds. Returns how far the neglected forces of the frame on the deformation may move a point in the step, and what the bend of
+/// the spin within the step may have become at the end of the run [m].
 double FloatingFrame::leave_frame(const Equations& equations, double t, double h, const RigidState& rigid) {
   const Body& body = equations.body;
   const Points& outside = equations.outside(t, outside_);
@@ -96,6 +98,7 @@ double FloatingFrame::leave_frame(const Equations& equations, double t, double h
   const Vec3 angular_momentum = rigid.angular_momentum + (0.5 * h) * torque;
   const auto spin = [&] { return Vec3(inner.inverse_inertia * (axes.transpose() * angular_momentum) - inner.spin); };
   const Vec3 lag = (0.5 * h) * (spin() - axes.transpose() * rigid.spin);
+  double farthest = 0;
   Matrix turn = Matrix::Identity();
   for (int axis = 0; axis < 3; ++axis) turn.col(axis) += lag.cross(Vec3::Unit(axis)) + second_order(lag, Vec3::Unit(axis));
   axes = axes * turn;
@@ -104,12 +107,14 @@ double FloatingFrame::leave_frame(const Equations& equations, double t, double h
   for (int p = 0; p < body.points(); ++p) {
     const Vec3 y = row(deformation_.x, p) - inner.centre, arm = axes * y, drift = axes * (row(deformation_.v, p) - inner.velocity),
                change = axes * (y - row(shape_.x, p));
+    farthest = std::max(farthest, y.squaredNorm());
     set_row(x, p, rigid.centre + arm);
     set_row(v, p, rigid.velocity + turning.cross(arm) + drift);
     const Vec3 less = 2 * turning.cross(drift) + rigid.spin_rate.cross(change) + turning.cross(turning.cross(change));
     neglected = std::max(neglected, std::sqrt(less.squaredNorm()) * std::max(0.5 * h, systematic * deformation_.time_scale[p]));
   }
-  return h * neglected;
+  const double bend = h * std::sqrt(turning.squaredNorm() * lag.squaredNorm() * farthest) / 6;
+  return h * neglected + systematic * growth_ * bend;
 }
 
 /// Books the work of force ramps, along the cubic through both ends, and the energy that is missing after the step.

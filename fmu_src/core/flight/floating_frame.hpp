@@ -14,9 +14,10 @@
 /// that vibrates slowly is left to other methods.
 ///
 /// At the end of the step the centre is that of the rigid body, the spin follows from the angular momentum, and the attitude is corrected
-/// by half a step of what the rigid body's spin lacked. The angular momentum is that of the rigid body plus the moments of the outside
-/// forces on the change of shape: torque-free flight conserves it to rounding. What the deformation loses counts as dissipated. There are
-/// no pins.
+/// by half a step of what the rigid body's spin lacked. That is second order in the step. The next order, the lag times a sixth of the
+/// turn within the step, is part of the error estimate, together with its growth while the body tumbles (kit/tumbling.hpp). The angular
+/// momentum is that of the rigid body plus the moments of the outside forces on the change of shape: torque-free flight conserves it to
+/// rounding. What the deformation loses counts as dissipated. There are no pins.
 #pragma once
 #include "flight/rigid_body.hpp"
 #include "methods/ros34pw2.hpp"
@@ -43,6 +44,7 @@ class FloatingFrame final : public OneStep {
   State shape_;                  ///< state in the frame, at the start of the step
   Points rest_, arm_, outside_;  ///< rest positions [m]; arms at the start, in world axes [m]; workspace
   Eigen::Matrix3d attitude_;     ///< Q
+  double growth_ = 1;            ///< of errors of the attitude until the end of the run (kit/tumbling.hpp)
 };
 
 }  // namespace softffd

@@ -1,6 +1,7 @@
 #include "kit/limits.hpp"
 
 #include "kit/outlook.hpp"
+#include "kit/tumbling.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -127,7 +128,7 @@ double growing(const StepContext& context, const State& a, const State& b, doubl
   const Scalars &time_scale = context.model.time_scale, &memory = context.model.memory;
   const auto times = [&](double lasts) { return stretches_in(context, lasts, stretch); };
   const double same = position_rounding(context);
-  double error = free_bodies_apart(context, a, b, true) * times(infinity);
+  double error = worse(free_bodies_apart(context, a, b, true), drifted_apart(context, a, b)) * times(infinity);
   for (int i = 0; i < memory.size(); ++i) {
     const double dx = std::abs(a.x.data()[i] - b.x.data()[i]), dv = std::abs(a.v.data()[i] - b.v.data()[i]) * time_scale[i];
     if (!(dx < infinity && dv < infinity)) return infinity;

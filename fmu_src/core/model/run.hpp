@@ -5,6 +5,7 @@
 ///      EnergyAccount     compares the energy of the body with the work done on it (watch/energy_watch.hpp)
 #pragma once
 #include <algorithm>
+#include <limits>
 
 #include "machine/elementary.hpp"
 #include "model/exchange.hpp"
@@ -232,6 +233,19 @@ struct DampedRecord {
 };
 static_assert(visits_every_field<DampedRecord>);
 
+/// How the turning of a free body multiplies errors until the end of the run (kit/tumbling.hpp).
+struct Tumbling {
+  double growth = 1;  ///< factor by which an error of the attitude grows, the mean over the rest of the run [1]
+  double until = std::numeric_limits<double>::lowest();  ///< time at which the factor is due to be found anew [s]
+  double error = 0;                                      ///< final error that rounding and accepted steps may amount to [m]
+
+  template <class Self, class Fields>
+  static auto visit(Self& s, Fields&& fields) {
+    return fields(s.growth, s.until, s.error);
+  }
+};
+static_assert(visits_every_field<Tumbling>);
+
 /// What the steps so far have taught, and the work spent.
 struct ControllerState {
   MarkedPoints bound_x;                                  ///< configuration that `bound` belongs to
@@ -253,6 +267,7 @@ struct ControllerState {
   Count rejected = 0;
   Count factors = 0;  ///< matrices factored
   Neighbour neighbour{};
+  Tumbling tumbling{};
 
   Calibration& calibration(Method which) { return calibrations[std::size_t(which)]; }
   double& controlled_step(Method which) { return controlled[std::size_t(which)]; }
@@ -263,12 +278,14 @@ struct ControllerState {
     contact = {};
     damped = {.force = damped.force};
     factored.h = in_contact.h = 0;
+    tumbling.until = Tumbling{}.until;
     trials.winner = Method::automatic;
   }
   /// Makes all trials due at once: vibrations have become larger than those that steps were chosen for.
   void doubt_steps() {
     for (Calibration& each : calibrations) each.due = 0;
     trials.due = 0;
+    tumbling.until = Tumbling{}.until;
     contact.free = contact.impact = 0;
     contact.free_next = contact.impact_next = 1;
   }
@@ -276,7 +293,7 @@ struct ControllerState {
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {
     return fields(s.bound_x, s.bound, s.damping_bound, s.calibrations, s.controlled, s.contact, s.damped, s.factored, s.in_contact,
-                  s.method, s.reason, s.trials, s.work, s.usual, s.vibration, s.stirred, s.rejected, s.factors, s.neighbour);
+                  s.method, s.reason, s.trials, s.work, s.usual, s.vibration, s.stirred, s.rejected, s.factors, s.neighbour, s.tumbling);
   }
 };
 static_assert(visits_every_field<ControllerState>);

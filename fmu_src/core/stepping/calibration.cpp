@@ -6,6 +6,7 @@
 #include "kit/limits.hpp"
 #include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
+#include "kit/tumbling.hpp"
 #include "model/arithmetic.hpp"
 #include "watch/vibration.hpp"
 
@@ -56,7 +57,8 @@ double Calibrator::calibrate(Integrators& integrators, const StepContext& contex
   const double pairs = power(2, t.order), c = pairs / (pairs - 1);
   const Count most = method == Method::bm4 ? use::calibration_steps_bm4 : use::calibration_steps;
   const double vibration = coming_vibration(context.equations(), context.run.physical.motion, context.model.time_scale, H);
-  const bool harmless = vibration <= allowed;
+  const double growth = tumbling_growth(context);
+  const bool harmless = (context.model.body.damped ? growth : 1) * vibration <= allowed;
   context.run.control.vibration = vibration;
   context.run.control.stirred = 0;
   double h = std::min({H, step_limit(context, method, false), calibration.h > 0 ? calibration.h : infinity}), work = 0;

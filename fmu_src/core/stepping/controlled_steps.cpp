@@ -5,6 +5,7 @@
 
 #include "kit/limits.hpp"
 #include "kit/thresholds.hpp"
+#include "kit/tumbling.hpp"
 #include "model/arithmetic.hpp"
 
 namespace softffd {
@@ -35,14 +36,14 @@ namespace {
 
 namespace use = thresholds;
 
-/// Error that one step of length h may have [m]: errors add up until damping forgets them.
+/// Error that one step of length h may have [m]: errors add up until damping forgets them, and grow while a body tumbles.
 class Allowance {
  public:
-  Allowance(const StepContext& context, const Traits& traits)
+  Allowance(const StepContext& context, const Traits& traits, double growth)
       : traits_(traits),
         forgets_(std::min(context.request.horizon, context.model.longest_memory)),
         rounding_(position_rounding(context)),
-        tolerance_(context.request.tolerance * power(context.request.step_factor, traits.order)) {}
+        tolerance_(context.request.tolerance / growth * power(context.request.step_factor, traits.order)) {}
   double operator()(double h) const {
     return std::max(rounding_, std::min(traits_.tolerance_step, traits_.tolerance_sum * h / forgets_) * tolerance_);
   }
@@ -79,7 +80,8 @@ StepStatus run_controlled(Integrators& integrators, const StepContext& context, 
   ControllerState& control = run.control;
   OneStep& integrator = integrators.one_step(method);
   const Traits& t = traits(method);
-  const Allowance allowed(context, t);
+  const double growth = tumbling_growth(context);
+  const Allowance allowed(context, t, t.turning == Turning::in_frame ? 1 : growth);  // in the frame, deformations do not grow
   const Controller controller;
   double& h = control.controlled_step(method);
   const bool planes = !context.drive.planes.empty(), straight = t.turning == Turning::straight, in_frame = t.turning == Turning::in_frame;

@@ -6,6 +6,7 @@
 #include "kit/outlook.hpp"
 #include "kit/snapshot.hpp"
 #include "kit/thresholds.hpp"
+#include "kit/tumbling.hpp"
 #include "methods/ros34pw2.hpp"
 #include "model/arithmetic.hpp"
 #include "stepping/controlled_steps.hpp"
@@ -29,6 +30,9 @@ constexpr Count creep_parts = 16;
 constexpr double resolved = 8;
 /// Length of the trial of a method with error control in units of 1 / omega [1]: some steps, until the method has found their size.
 constexpr double controlled_window = 30;
+/// Change of the moments of inertia by a vibration in units of the square of its size relative to the body [1]: with 1, a slab of 1e7 N/m
+/// that flips over ended 12 tolerances off.
+constexpr double inertia_by_vibration = 16;
 
 }  // namespace thresholds
 
@@ -45,6 +49,13 @@ bool creeps(const StepContext& context) {
 double fixed_work(const StepContext& context, Method method, double H) {
   const double h = tighter(step_limit(context, method, false), context.run.control.calibration(method).h);
   return double(divisions(H, h)) * step_work(context.model.body, context.drive, context.run, method, h);
+}
+
+/// Size of the vibrations with time scales below `slowest` [s], and of what it does to a body that tumbles [m]: a vibration changes the
+/// moments of inertia by about the square of its size relative to the body, and the flips by as much times the growth of errors.
+double passed_over(const StepContext& context, const State& motion, double slowest) {
+  const double size = present_vibration(context.equations(), motion, context.model.time_scale, slowest);
+  return size + use::inertia_by_vibration * (growth_from(context, motion).largest - 1) * size * size / context.model.body.length;
 }
 
 }  // namespace
@@ -106,9 +117,7 @@ void TrialRuns::try_implicit(Integrators& integrators, const StepContext& contex
   if (matrices > use::trial_fraction * others * left_of_run(context) / H) return;
   if (!implicit_may_win(H / step_limit(context, candidates.implicit, false) * step_work, others)) return;
   const double shortest = H * step_work / (use::implicit_gain * others);  // the step that would still pay
-  if (too_loud(present_vibration(context.equations(), motion, context.model.time_scale, use::resolved * shortest),
-               context.request.tolerance))
-    return;
+  if (too_loud(passed_over(context, motion, use::resolved * shortest), context.request.tolerance)) return;
   const double budget = std::min(use::implicit_gain * others, use::longest_trial);
   candidates.implicit_work = implicit_work(integrators, context, candidates.implicit, H, budget);
 }
@@ -133,11 +142,12 @@ bool TrialRuns::fast_modes_are_quiet(Integrators& integrators, const StepContext
   snapshot.rollback();
   OneStep& step = integrators.one_step(method);
   integrators.budget().spend(step.offer(context.model, context.drive, begin, way, context.run).work);
+  const double tumbled = turned_apart(context, fine_, step.x);
   fine_.x -= step.x;
   fine_.v -= step.v;
   const std::size_t n = fine_.x.size();
   const double by_velocity = kernels::largest_weighted(n, context.model.time_scale.data(), fine_.v.data());
-  return quiet(worse(kernels::largest(n, fine_.x.data()), by_velocity), context.request.tolerance);
+  return quiet(worse(tumbled, worse(kernels::largest(n, fine_.x.data()), by_velocity)), context.request.tolerance);
 }
 
 /// Work of an implicit method for H, found by doing it; infinite beyond the budget, or if fast modes are at work that it would damp.
@@ -151,10 +161,8 @@ double TrialRuns::implicit_work(Integrators& integrators, const StepContext& con
   const double work = run.control.work - before.control.work;
   spent_ += work;
   if (status != StepStatus::ok || run.physical.motion.time < end) return infinity;
-  const double passed_over = use::resolved * run.control.controlled_step(method);
-  if (too_loud(present_vibration(context.equations(), before.physical.motion, context.model.time_scale, passed_over),
-               context.request.tolerance))
-    return infinity;
+  const double longest = use::resolved * run.control.controlled_step(method);
+  if (too_loud(passed_over(context, before.physical.motion, longest), context.request.tolerance)) return infinity;
   snapshot.commit();
   // a factor is kept for later communication steps
   const double made = double(run.control.factors - before.control.factors),

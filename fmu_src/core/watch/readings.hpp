@@ -54,10 +54,13 @@ struct Readings {
   Count rejected() const { return now.control.rejected; }
   /// Returns the error that landings have made of earlier errors by now [m].
   double landing_error() const { return now.control.neighbour.off.at(now.physical.motion.time, model.longest_lasting()); }
-  /// Returns the final error so far [m]: the landing error, and the errors from explicit steps through contact, from the consequences of
-  /// impacts, and from implicit steps of damped bodies.
+  /// Returns what rounding may have become by the end of the run while the body tumbles [m].
+  double tumbling_error() const { return now.control.tumbling.error; }
+  /// Returns the final error so far [m]: the landing error, that of tumbling, and the errors from explicit steps through contact, from the
+  /// consequences of impacts, and from implicit steps of damped bodies.
   double stated_error() const {
-    return hypotenuse(landing_error() + now.physical.error.largest(), now.physical.damped_error + now.physical.damped_fading);
+    return hypotenuse(landing_error() + now.physical.error.largest(), now.physical.damped_error + now.physical.damped_fading) +
+           tumbling_error();
   }
   Count contacts_resolved() const { return now.contacts_resolved; }
   /// The method that took the last communication step, and why.

@@ -220,14 +220,18 @@ void Messages::report_error(const SoftBody& body, double time) {
   const double lost = body.readings().stated_error(), allowed = body.settings.tolerance * body.lattice().largest_side();
   if (!(lost > std::max(doubtful * allowed, more_doubtful * reported_.error)) || !logger_.on(log_warning)) return;
   reported_.error = lost;
-  const bool phases = body.readings().landing_error() > 0.5 * lost;
+  const bool phases = body.readings().landing_error() > 0.5 * lost, tumbles = body.readings().tumbling_error() > 0.5 * lost;
   logger_.log(
       fmi2Warning, log_warning,
-      at_time(time) + "the tolerance could not be met in contact: the result may be wrong by " + estimate(lost) +
-          " m, where the tolerance allows " + estimate(allowed) + " m; " +
-          (phases ? "the next impact depends on the phase of the vibration after the last one, which is not accurate enough for this; add "
-                    "damping, or try a smaller tolerance"
-                  : "set a smaller tolerance, or add damping"));
+      at_time(time) +
+          (tumbles ? "rounding grows while the body tumbles about its middle axis of inertia"
+                   : "the tolerance could not be met in contact") +
+          ": the result may be wrong by " + estimate(lost) + " m, where the tolerance allows " + estimate(allowed) + " m; " +
+          (tumbles ? "only a shorter run is more accurate"
+           : phases
+               ? "the next impact depends on the phase of the vibration after the last one, which is not accurate enough for this; add "
+                 "damping, or try a smaller tolerance"
+               : "set a smaller tolerance, or add damping"));
 }
 
 void Messages::report_step_factor(const SoftBody& body, double time) {
