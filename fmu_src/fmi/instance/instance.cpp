@@ -94,7 +94,7 @@ fmi2Status Instance::do_step(double time, double step) {
   times_.now = time + step;
   variables_.end_step(step);
   variables_.forget_rates();
-  messages_.stepped(body_, times_.now, step);
+  messages_.stepped(body_, times_.now, step, error_estimate_ ? error_estimate_->value() : 0);
   return fmi2OK;
 }
 

@@ -14,6 +14,8 @@ constexpr double quiet_fraction = 0.3;
 /// error is more often than not an upper estimate, but in random scenes it has been a quarter of the true error, for which ten tolerances
 /// are promised.
 constexpr double doubtful = 2.5, more_doubtful = 2;
+/// Error by the error estimate, in units of the tolerance, above which a warning is given. Ten tolerances are promised.
+constexpr double broken = 10;
 /// Rotation angle per implicit contact step above which a warning of the damped rotation is given [rad].
 constexpr double damped_turn = 0.05;
 /// Excess of friction over Coulomb's cone, as a fraction of the largest force, above which a warning is given.
@@ -187,7 +189,7 @@ void Messages::begun(const SoftBody& body, double time) {
     logger_.log(fmi2Warning, log_warning, at_time(time) + behind + "; " + clear_of_planes);
 }
 
-void Messages::stepped(SoftBody& body, double time, double length) {
+void Messages::stepped(SoftBody& body, double time, double length, double estimated) {
   once(rubbing, [&] { return rubbing_warning(body); });
   report_choice(body);
   warn_of_folding(body, time);
@@ -198,6 +200,7 @@ void Messages::stepped(SoftBody& body, double time, double length) {
   once(friction, [&] { return friction_warning(body, time); });
   if (logger_.on(log_warning)) once(jump, [&] { return jump_warning(body, scene_, time - length); });
   report_error(body, time);
+  report_estimate(body, time, estimated);
 }
 
 /// Reports the number of threads if the lattice is too small for all threads of the scene.
@@ -232,6 +235,17 @@ void Messages::report_error(const SoftBody& body, double time) {
                ? "the next impact depends on the phase of the vibration after the last one, which is not accurate enough for this; add "
                  "damping, or try a smaller tolerance"
                : "set a smaller tolerance, or add damping"));
+}
+
+/// Warns of an error that the error estimate has found and nothing else has stated. No tolerance applies to given steps.
+void Messages::report_estimate(const SoftBody& body, double time, double estimated) {
+  const double allowed = body.settings.tolerance * body.lattice().largest_side();
+  if (body.settings.step > 0 || !(estimated > std::max(broken * allowed, more_doubtful * reported_.error)) || !logger_.on(log_warning))
+    return;
+  reported_.error = estimated;
+  logger_.log(fmi2Warning, log_warning,
+              at_time(time) + "solver.error_estimate = " + estimate(estimated) + " m, where the tolerance allows " + estimate(allowed) +
+                  " m at the end of the run; if it does not fall again, set a smaller tolerance");
 }
 
 void Messages::report_step_factor(const SoftBody& body, double time) {

@@ -18,8 +18,9 @@ class Messages {
   void two_tolerances(double set, double asked, bool asked_wins);
   /// Reports on the initial state at this time [s].
   void begun(const SoftBody& body, double time);
-  /// Reports on a communication step of this length [s], which has just ended at this time [s].
-  void stepped(SoftBody& body, double time, double length);
+  /// Reports on a communication step of this length [s], which has just ended at this time [s]. estimated: error that the error estimate
+  /// states [m]; 0 if the scene has none.
+  void stepped(SoftBody& body, double time, double length, double estimated);
 
  private:
   enum Topic : unsigned { rubbing = 1, folding = 2, gain = 4, division = 8, turning = 16, set_up = 32, jump = 64, friction = 128 };
@@ -28,7 +29,7 @@ class Messages {
     std::optional<Method> method;
     Reason reason = Reason::asked;
     double step = -1, step_factor = 1;
-    double error = 0;  ///< largest error reported so far [m]
+    double error = 0;  ///< largest error reported so far, stated or estimated [m]
   };
   /// Logs the warning that `text` returns, unless the warning is empty or there was a warning of this topic before.
   template <class Text>
@@ -43,6 +44,7 @@ class Messages {
   void report_choice(SoftBody& body);
   void report_step_factor(const SoftBody& body, double time);
   void report_error(const SoftBody& body, double time);
+  void report_estimate(const SoftBody& body, double time, double estimated);
   void warn_of_folding(const SoftBody& body, double time);
 
   const SceneFile& scene_;

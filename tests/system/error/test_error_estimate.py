@@ -124,12 +124,13 @@ def test_what_backward_euler_damps_is_counted(stiffness):
     """A hanging box that is let go: vibrations that steps of a communication step's length do not resolve."""
     keys = {"material.stiffness": stiffness, "experiment.stop_time": 0.05, "solver.error_estimate": True}
     hanging = load_scene("hanging").replace(keys)
-    damped = simulate(hanging.replace({"solver.method": "backward_euler"}))
+    damped = simulate(hanging.replace({"solver.method": "backward_euler", "solver.tolerance": 5e-6}))
     exact = simulate(hanging.replace({"solver.method": "dop853", "solver.tolerance": 1e-10}))
     error = np.linalg.norm(points(damped)[-1] - points(exact)[-1], axis=-1).max()
     estimate = damped.outputs["solver.error_estimate"][-1]
     print(f"{stiffness}: error {error:.1e} estimate {estimate:.1e}")
     assert error / IMPLICIT <= estimate <= error * IMPLICIT
+    assert any("solver.error_estimate = " in str(warning) for warning in damped.summary["warnings"])  # above ten tolerances
 
 
 @pytest.mark.short("100000.0")
