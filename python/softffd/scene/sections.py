@@ -272,7 +272,7 @@ class Solver(Section):
     threads: Threads = key(
         1, "number of threads for the spring forces, 1 to 64. Each thread needs at least 512 control points. The results have the same bits"
     )
-    error_estimate: Switch = key(False, "estimates the error by a second run beside this one; takes 80 to 160 % more time")
+    error_estimate: Switch = key(False, "estimates the error by a second run beside this one; takes 80 to 400 % more time")
 
 
 class Experiment(Section):
