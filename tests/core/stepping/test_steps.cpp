@@ -78,10 +78,10 @@ TEST(a_calibration_takes_its_trial_back) {
   Bench b;
   Calibrator calibrator(b.run);
   const Points x = b.run.physical.motion.x;
-  CHECK(calibrator.due(b.context(), Method::leapfrog, 0.1, false));
+  CHECK(calibrator.due(b.context(), Method::leapfrog, 0.1));
   CHECK(calibrator.calibrate(b.integrators, b.context(), Method::leapfrog, 0.1, 4) > 0);
   CHECK((b.run.physical.motion.x == x).all() && b.run.physical.steps == 0 && b.run.physical.motion.time == 0);
-  CHECK(!calibrator.due(b.context(), Method::leapfrog, 0.1, false));
+  CHECK(!calibrator.due(b.context(), Method::leapfrog, 0.1));
   CHECK(b.run.control.calibration(Method::leapfrog).h > 0);
 }
 

@@ -87,9 +87,9 @@ def test_outputs_after_a_discarded_step_are_those_of_the_values_before():
 def test_a_reaction_too_large_for_a_number_discards_the_step():
     held = box(stiffness=1e3, pin=[{"name": "hand", "points": "x-", "motion": "input"}])
     with Stepper(held) as body:
-        body.set({"pin.hand.velocity.x": 1e10})
+        body.set({"pin.hand.velocity.x": 1e20})
         with pytest.raises(FmuError, match="not finite"):
-            body.step(1e-300)
+            body.step(1e-289)
         assert np.isfinite(body.outputs()).all()
 
 
