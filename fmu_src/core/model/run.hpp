@@ -5,7 +5,6 @@
 ///      EnergyAccount     compares the energy of the body with the work done on it (watch/energy_watch.hpp)
 #pragma once
 #include <algorithm>
-#include <limits>
 
 #include "machine/elementary.hpp"
 #include "model/exchange.hpp"
