@@ -185,7 +185,7 @@ bool in_flight(const StepContext& context, double time, const Points& x) {
   const Body& body = context.model.body;
   const double rounding = touching * body.length, skip = std::max(use::least_error * context.request.tolerance, rounding);
   return std::ranges::all_of(context.drive.planes, [&](const Plane& obstacle) {
-    return facing(body, obstacle, time, x).gap > (obstacle.solid() ? skip : rounding);
+    return facing(body, obstacle, time, x).gap > (obstacle.solid() && body.dashpots() ? skip : rounding);
   });
 }
 

@@ -37,8 +37,8 @@ struct NearestObstacle {
   double gap = std::numeric_limits<double>::infinity();  ///< [m]
 };
 NearestObstacle nearest_obstacle(const StepContext& context, const State& state);
-/// True if the body, with its points at x, is off all obstacles, and off solids by more than its positions err: a vertex that slides on a
-/// solid leaves it by the square of its way in a step, and comes back within a few steps; that is no flight.
+/// True if the body, with its points at x, is off all obstacles, and with internal damping off solids by more than its positions err: a
+/// vertex that slides on a solid leaves it by the square of its way in a step, and comes back within a few steps; that is no flight.
 bool in_flight(const StepContext& context, double time, const Points& x);
 /// Largest normal impulse that any obstacle has received since the impulses `before` [N s].
 double pressed_since(const StepContext& context, const std::vector<Impulse>& before);
