@@ -15,6 +15,7 @@ extern "C" __attribute__((import_module("softffd"), import_name("log"))) void so
 SOFTFFD_EXPORTED fmi2Component softffd_open(const char* text, std::size_t length, const char* guid) {
   const Asked asked{"softffd", "fmuGUID", guid};
   return instantiate(
-      instances, "softffd_open", asked, [] { return Logger(softffd_log, "", false); },
+      instances, "softffd_open", asked,
+      [] { return Logger(softffd_log, "", {std::begin(log_categories), std::end(log_categories)}, false); },
       [&] { return required(parse_scene({text, length}), asked); });
 }
