@@ -49,10 +49,10 @@ Facing facing(const Body& body, const Plane& obstacle, double t, const Points& x
   return nearest;
 }
 
-bool off_obstacles(const Drive& around, double t, const Points& x, double gap) {
+bool off_obstacles(const Drive& around, double t, const Points& x, double gap, double of_solids) {
   for (const Plane& plane : around.planes) {
     if (plane.solid()) {
-      if (!(gap_between(plane, plane.pose_at(t), x) > gap)) return false;
+      if (!(gap_between(plane, plane.pose_at(t), x) > std::max(gap, of_solids))) return false;
       continue;
     }
     const HalfSpace obstacle = plane.at(t);
@@ -62,10 +62,10 @@ bool off_obstacles(const Drive& around, double t, const Points& x, double gap) {
   return true;
 }
 
-bool off_obstacles(const Body& body, const Drive& around, double t, const Points& x, double gap) {
+bool off_obstacles(const Body& body, const Drive& around, double t, const Points& x, double gap, double of_solids) {
   const bool in_hull = !body.samples || !body.samples->of_nodes();
-  if (in_hull && off_obstacles(around, t, x, gap)) return true;
-  const auto off = [&](const Plane& plane) { return facing(body, plane, t, x).gap > gap; };
+  if (in_hull && off_obstacles(around, t, x, gap, of_solids)) return true;
+  const auto off = [&](const Plane& plane) { return facing(body, plane, t, x).gap > (plane.solid() ? std::max(gap, of_solids) : gap); };
   return body.samples && std::all_of(around.planes.begin(), around.planes.end(), off);
 }
 

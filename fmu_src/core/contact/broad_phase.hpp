@@ -17,11 +17,11 @@ struct Facing {
 };
 Facing facing(const Body& body, const Plane& obstacle, double t, const Points& x);
 
-/// True if every point of x is in front of all obstacles at time t by more than `gap` [m].
-bool off_obstacles(const Drive& around, double t, const Points& x, double gap);
+/// True if every point of x is in front of all obstacles at time t by more than `gap` [m], and of solids by more than `of_solids` [m] too.
+bool off_obstacles(const Drive& around, double t, const Points& x, double gap, double of_solids = 0);
 
 /// The same for the samples of the surface if obstacles meet those, otherwise for the control points.
-bool off_obstacles(const Body& body, const Drive& around, double t, const Points& x, double gap);
+bool off_obstacles(const Body& body, const Drive& around, double t, const Points& x, double gap, double of_solids = 0);
 
 /// Forecasts how far a point can move within H, from the present speeds and the outside forces [m].
 double forecast_way(const Equations& equations, const State& state, double H);

@@ -12,8 +12,16 @@ namespace softffd {
 
 namespace use = thresholds;
 
+namespace {
+
+/// Books the final error by an energy that implicit steps have taken from vibrations [J]: the velocity that it amounts to is missing.
+void book_lost(const StepContext& context, const Outlook& ahead, double energy) {
+  context.run.physical.error.add({ahead.along_normal * std::sqrt(2 * energy / context.model.body.mass.sum())});
+}
+
+}  // namespace
+
 /// Takes the rest of the communication step by backward Euler, whatever that damps, if the budget is spent or the method was asked for.
-/// The energy that is lost is missing from every later velocity; the resulting final error is added.
 StepStatus Impacts::pass_over(const Beside& at) {
   const StepContext& context = at.context;
   StiffContact& stiff = context.run.physical.stiff;
@@ -23,18 +31,9 @@ StepStatus Impacts::pass_over(const Beside& at) {
   stiff.begin(context.request.method == Method::backward_euler ? Phase::flight : Phase::rest);
   context.run.energy.kinetic_elastic = -1;
   const StepStatus status = run_implicit(at.integrators, context, Method::backward_euler, at.end);
-  const double lost = std::max(0.0, energy_lost(context, before_, 0) - context.model.noise);
-  context.run.physical.error.add({ahead.along_normal * std::sqrt(2 * lost / context.model.body.mass.sum())});
+  book_lost(context, ahead, std::max(0.0, energy_lost(context, before_, 0) - context.model.noise));
   context.run.control.reason = context.request.method == Method::backward_euler ? Reason::asked : Reason::stiff_contact;
   return status;
-}
-
-/// The body takes off. Books the final error by the vibrations that steps at rest have damped away: their velocity is missing.
-void Impacts::book_damped(const StepContext& context) {
-  const double energy = std::exchange(context.run.physical.stiff.damped, 0);
-  if (!(energy > context.model.noise)) return;
-  const double lasts = outlook(context, context.run.physical.motion).along_normal;
-  context.run.physical.error.add({lasts * std::sqrt(2 * energy / context.model.body.mass.sum())});
 }
 
 StepStatus Impacts::run(Integrators& integrators, const StepContext& context, double end, bool rings) {
@@ -57,7 +56,9 @@ StepStatus Impacts::run(Integrators& integrators, const StepContext& context, do
       case Phase::rest: status = rest_.run(at); break;
     }
     rings = false;
-    if (stiff.phase == Phase::flight && stiff.damped > 0) book_damped(context);
+    if (stiff.phase == Phase::flight && stiff.damped > 0)  // the body takes off
+      if (const double lost = std::exchange(stiff.damped, 0); lost > context.model.noise)
+        book_lost(context, outlook(context, motion), lost);
     if (status == StepStatus::too_much_work) {
       snapshot.rollback();
       snapshot.commit();

@@ -34,7 +34,6 @@ class Impacts {
 
  private:
   StepStatus pass_over(const Beside& at);
-  void book_damped(const StepContext& context);
 
   Flights flights_;
   Windows windows_;

@@ -24,7 +24,7 @@ double position_rounding(const StepContext& context);
 /// Final error by rounding alone [m]: that of the positions, and that of the velocities by forces at rounded positions.
 double rounding_by_end(const StepContext& context);
 /// Final error of states a and b, which were reached from one state over the same sub-interval `stretch` [s], if their difference keeps
-/// growing until damping forgets it [m]; infinite if a difference is not finite.
+/// growing until damping forgets it [m]; infinite if a difference is not finite. Rounding of positions does not keep growing.
 double growing(const StepContext& context, const State& a, const State& b, double stretch);
 /// The same where differences of sub-intervals do not point the same way, as after impacts of vertices: their squares add up, and each has
 /// spread over the body by the end. Differences of free bodies add up. A velocity counts only as far as it has moved its point: a vertex

@@ -183,10 +183,8 @@ NearestObstacle nearest_obstacle(const StepContext& context, const State& state)
 
 bool in_flight(const StepContext& context, double time, const Points& x) {
   const Body& body = context.model.body;
-  const double rounding = touching * body.length, skip = std::max(use::least_error * context.request.tolerance, rounding);
-  return std::ranges::all_of(context.drive.planes, [&](const Plane& obstacle) {
-    return facing(body, obstacle, time, x).gap > (obstacle.solid() && body.dashpots() ? skip : rounding);
-  });
+  const double skip = body.dashpots() ? use::least_error * context.request.tolerance : 0;
+  return off_obstacles(body, context.drive, time, x, touching * body.length, skip);
 }
 
 double pressed_since(const StepContext& context, const std::vector<Impulse>& before) {

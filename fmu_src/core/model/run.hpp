@@ -236,7 +236,7 @@ static_assert(visits_every_field<DampedRecord>);
 struct Tumbling {
   double growth = 1;  ///< factor by which an error of the attitude grows, the mean over the rest of the run [1]
   double until = std::numeric_limits<double>::lowest();  ///< time at which the factor is due to be found anew [s]
-  double error = 0;                                      ///< final error that rounding and accepted steps may amount to [m]
+  double error = 0;                                      ///< final error that rounding may amount to [m]
 
   template <class Self, class Fields>
   static auto visit(Self& s, Fields&& fields) {

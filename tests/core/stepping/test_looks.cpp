@@ -24,7 +24,7 @@ struct Bursting : Bench {
   double since_bound() const { return side(run.physical.motion.x) - side(*run.control.bound_x); }
 };
 
-/// Whether leapfrog's step is calibrated anew when the forces jump by this fraction, long before that is due.
+/// Whether leapfrog's step is calibrated anew when the forces jump by this fraction, before that is due.
 bool calibrates_after(double jump) {
   Definition definition = one_kilogram();
   definition.stretch = {1.1, 1, 1};
