@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 G = 9.81
 """m/s2"""
@@ -85,3 +86,17 @@ def spin_down(times: np.ndarray, *, spin: float, grip: float, table: float = 0.0
     other, sense = spin - table, np.sign(spin - table)
     slipping = np.minimum(times, abs(other) / grip)
     return table * times + other * slipping - sense * grip * slipping**2 / 2
+
+
+def slide_on_table(times: np.ndarray, *, spin: float, radius: float, height: float, friction: float) -> np.ndarray:
+    """The distance along the table (T,) [m] between the axis and a mass at `height` above it, on a table that turns about a level axis,
+    from level at time 0 on, at `spin` [rad/s]. The mass begins at rest on the table, at `radius` [m], and slides down where friction lets
+    it go."""
+
+    def pull(t, r, v):
+        pressed = G * np.cos(spin * t) - 2 * spin * v - spin**2 * height
+        return G * np.sin(spin * t) + spin**2 * r - friction * pressed
+
+    loose = brentq(lambda t: pull(t, radius, 0.0), 0.0, np.pi / 2 / spin, xtol=1e-14)
+    course = solve_ivp(lambda t, y: [y[1], pull(t, *y)], (loose, max(loose, times[-1])), [radius, 0.0], dense_output=True, **EXACT)
+    return np.where(times <= loose, radius, course.sol(np.maximum(times, loose))[0])

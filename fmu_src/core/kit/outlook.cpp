@@ -64,9 +64,14 @@ Vec3 whole_acceleration(const StepContext& context) {
   return sum / context.model.body.mass.sum();
 }
 
-/// Acceleration of an obstacle; for a free obstacle, its acceleration in flight [m/s2].
-Vec3 acceleration_of(const Plane& obstacle, const State& state) {
-  return obstacle.own ? obstacle.own->acceleration(state.free[obstacle.own->index()]) : obstacle.acceleration;
+/// Acceleration of an obstacle, as the body feels it in the obstacle's frame [m/s2]: where the obstacle turns, with the accelerations of
+/// the place of the body's centre and of Coriolis. Of a free obstacle, its acceleration in flight.
+Vec3 acceleration_of(const Plane& obstacle, const HalfSpace& now, const Body& body, const State& state) {
+  if (obstacle.own) return obstacle.own->acceleration(state.free[obstacle.own->index()]);
+  if (!obstacle.bends()) return obstacle.acceleration;
+  const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
+  const Vec3 arm = motion.centre - now.point, moved = motion.velocity - now.velocity;
+  return obstacle.acceleration + obstacle.angular_acceleration.cross(arm) + now.spin.cross(2 * moved - now.spin.cross(arm));
 }
 
 /// True if obstacles hold the body from two sides.
@@ -113,7 +118,7 @@ void look_for_fall(const StepContext& context, const State& state, Outlook& ahea
   const RigidMotion motion = rigid_motion(body.mass, state.x, state.v);
   const auto [plane, obstacle, gap] = nearest_obstacle(context, state);
   const double snug = use::snug * body.length, height = obstacle.gap(motion.centre);
-  Vec3 pull = tangential(ahead.normal, whole_acceleration(context) - acceleration_of(*plane, state));
+  Vec3 pull = tangential(ahead.normal, whole_acceleration(context) - acceleration_of(*plane, obstacle, body, state));
   const double most = plane->friction * ahead.pressing;
   if (pull.norm() > most) pull *= most / pull.norm();
   const Vec3 aim = motion.centre + height / ahead.pressing * pull;
@@ -217,7 +222,7 @@ double approach_speed(const StepContext& context, const State& state, const Rigi
 
 Outlook outlook(const StepContext& context, const State& state) {
   const auto [plane, obstacle, gap] = nearest_obstacle(context, state);
-  const Vec3 outside = whole_acceleration(context), pushed = acceleration_of(*plane, state) - outside;
+  const Vec3 outside = whole_acceleration(context), pushed = acceleration_of(*plane, obstacle, context.model.body, state) - outside;
   const double left = lasting(context), towards = pushed.dot(obstacle.normal);
   const double pressing = std::abs(towards) > use::least_pressing * outside.norm() ? towards : 0;  // body and obstacle may fall alike
   Outlook ahead{obstacle.normal, left, left, left, pressing};

@@ -88,6 +88,11 @@ bool Plane::at_rest() const {
          normal_rate.isZero(0) && rotation_rate.isZero(0);
 }
 
+bool Plane::bends() const {
+  return !own && !(angular_velocity.isZero(0) && acceleration.isZero(0) && angular_acceleration.isZero(0) && normal_rate.isZero(0) &&
+                   rotation_rate.isZero(0));
+}
+
 namespace {
 
 /// Largest first and second derivative of the unit normal in time [1/s, 1/s2].

@@ -74,6 +74,8 @@ struct Plane : PlaneMotion {
   bool holds(const SolidPose& pose, const Vec3& x, double slack) const;
   /// True if the obstacle never moves.
   bool at_rest() const;
+  /// True if inputs or parameters turn or accelerate it during a communication step.
+  bool bends() const;
 };
 
 /// Bounds of a plane's own motion between two times, as seen from a point at rest.

@@ -8,7 +8,7 @@
 namespace softffd {
 
 ContactSet::ContactSet(const Lattice& lattice, int planes)
-    : middle_(planes),
+    : seen_(planes),
       end_(planes),
       friction_(planes, 0.0),
       at_(lattice.points()),
@@ -21,10 +21,11 @@ ContactSet::ContactSet(const Lattice& lattice, int planes)
   constraints_.reserve(planes);
 }
 
-void ContactSet::open(const Body& body, const Drive& around, double t, double h, const Holds& holds, bool again) {
+void ContactSet::open(const Body& body, const Drive& around, double t, double h, const Holds& holds, bool again, double seen) {
+  seen_at_ = seen;
   holds_ = &holds;
   for (std::size_t q = 0; q < around.planes.size(); ++q) {
-    middle_[q] = around.planes[q].at(t + 0.5 * h);
+    seen_[q] = around.planes[q].at(t + seen * h);
     end_[q] = around.planes[q].at(t + h);
     friction_[q] = around.planes[q].friction;
   }

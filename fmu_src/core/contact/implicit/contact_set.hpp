@@ -56,13 +56,13 @@ class ContactSet {
 
   /// Opens a step from t to t + h [s] without touches. Pinned points have no freedom. `holds` is read until the step's end. again: the
   /// matrix of the step before is to serve, and with it the scale of friction's stiffness.
-  void open(const Body& body, const Drive& around, double t, double h, const Holds& holds, bool again = false);
+  void open(const Body& body, const Drive& around, double t, double h, const Holds& holds, bool again = false, double seen = 0.5);
   /// Writes the present friction into `holds`; allocates room there if there is none yet.
   void hold(Holds& holds) const;
   const HalfSpace& plane(int q) const { return end_[q]; }
   const std::vector<HalfSpace>& planes() const { return end_; }  ///< at the end of the step
   /// Velocity of plane q's material at x during the step, in the pose of mid-step [m/s].
-  Vec3 material_velocity(int q, const Vec3& x) const { return middle_[q].material_velocity(x); }
+  Vec3 material_velocity(int q, const Vec3& x) const { return seen_[q].material_velocity(x); }
   /// True if some position is in front of all planes, to within `slack` [m].
   bool possible(const Vec3& x, double slack);
 
@@ -141,7 +141,8 @@ class ContactSet {
   void remove(int p, int i);
   Eigen::Matrix3d friction_stiffness(int p) const;
 
-  std::vector<HalfSpace> middle_, end_;
+  double seen_at_ = 0.5;  ///< part of the step after which obstacles are seen [1]
+  std::vector<HalfSpace> seen_, end_;
   std::vector<double> friction_;  ///< (planes) Coulomb coefficients
   const Holds* holds_ = nullptr;
   std::vector<AtPoint> at_;  ///< (points)

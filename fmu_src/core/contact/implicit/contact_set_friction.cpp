@@ -29,7 +29,7 @@ bool ContactSet::scale_friction(double length, double largest_stiffness) {
 
 /// Tangential motion of the point relative to the plane's material in this step, plus the elastic slip at its start [m].
 Vec3 ContactSet::slip(const Touch& touch, const Vec3& x0, const Vec3& moved, double h) const {
-  const Vec3 slip = tangential(touch.normal, moved - h * material_velocity(touch.plane, x0 + 0.5 * moved));
+  const Vec3 slip = tangential(touch.normal, moved - h * material_velocity(touch.plane, x0 + seen_at_ * moved));
   return load_scale_ > 0 ? Vec3(slip - reach_ / load_scale_ * touch.held) : slip;
 }
 

@@ -196,8 +196,8 @@ void SurfaceTouches::place_free(const Points& x) {
     const int q = each.body().plane;
     if (q < 0) continue;
     poses_[q] = around.planes[q].pose_of(end);
-    end_[q] = middle_[q] = poses_[q];
-    middle_[q].point = 0.5 * (from.position + end.position);
+    end_[q] = seen_[q] = poses_[q];
+    seen_[q].point = from.position + step_->seen * (end.position - from.position);
   }
   free_rows_.set_planes(obstacle_, own_);
   free_rows_.set_bodies(around, free_bodies_, x, h * h, false);

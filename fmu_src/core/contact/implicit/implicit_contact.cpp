@@ -91,11 +91,14 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   ++steps_;
   const double part = gamma * h, rest = (1 - gamma) * h, weight = (1 - gamma) / gamma;
   const double way = span.way;
-  Carried carried(equations.around, t, state.x);
+  Carried carried(equations.around, t, state.x, stage_.samples(), equations.body.length);
   start_ = state;
-  carried.place(0, part, start_.x);
-  const Points& turned_v = carried.ahead(state.v, t, t + part);
-  const Step first{equations, t, part, start_, t + part, kept_, &turned_v, span.again, way, accuracy, carried.bends()};
+  const Points* ahead = &state.v;
+  if (carried.bends()) {
+    carried.rates(t, state.x, state.v);
+    ahead = &carried.open(t + part, 0, part, start_.x);
+  }
+  const Step first{equations, t, part, start_, t + part, kept_, ahead, span.again, way, accuracy, carried.bends(), 1};
   open(first);
   if (const StepStatus status = stage_.solve(first); status != StepStatus::ok) return status;
   if (stage_.strikes({equations, t, part, state, t + part, nullptr, nullptr, false, way}))
@@ -110,7 +113,11 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
   first_v_ = stage_.v;
   first_free_ = stage_.free;
   start_.x = state.x + rest * first_v_;
-  carried.place(rest, part, start_.x);
+  ahead = &first_v_;
+  if (carried.bends()) {
+    carried.rates(t + part, stage_.x, first_v_);
+    ahead = &carried.open(t + h, rest, part, start_.x);
+  }
   start_.v = state.v + weight * (first_v_ - state.v);
   start_.spring = stage_.spring;
   for (const FreeMotion& each : equations.around.free) {
@@ -120,10 +127,9 @@ StepStatus ImplicitContact::take_sdirk2(const Equations& equations, double t, do
     start.momentum = from.momentum + weight * (by.momentum - from.momentum);
   }
   stage_.touches().hold(start_);
-  const Points& turned_first = carried.ahead(first_v_, t + part, t + h);
-  const Step second{equations, t + rest, part, start_, t + h, kept_, &turned_first, true, way, accuracy, carried.bends()};
+  const Step second{equations, t + rest, part, start_, t + h, kept_, ahead, true, way, accuracy, carried.bends(), 1};
   if (const StepStatus status = stage_.solve(second); status != StepStatus::ok) return status;
-  const Step whole{equations, t, h, state, t + h, nullptr, nullptr, false, way};
+  const Step whole{equations, t, h, state, t + h, nullptr, nullptr, false, way, accuracy, false, 1};
   if (stage_.strikes(whole)) {
     exchange = before_;
     return strike(equations, t, h, watch, state, exchange);

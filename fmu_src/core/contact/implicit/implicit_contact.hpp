@@ -11,9 +11,10 @@
 ///      stage 1   (x1, v1) from (x0, v0) over g h
 ///      stage 2   (x, v) from (x0 + (1 - g) h v1, v0 + (1 - g) / g (v1 - v0)) over g h: the end of the step
 ///
-/// with loads, obstacles and pins as they are at t + g h and t + h, and relative to the motion of turning pins (carried.hpp). Both stages
-/// obey the law of contact, hence the end of the step does. Impulses, work and losses of the step are (1 - g) / g times those of stage 1
-/// plus those of stage 2. A step in which a place strikes is one of backward Euler: stage 2 would throw back what stage 1 stops.
+/// with loads, obstacles and pins as they are at t + g h and t + h, and relative to the motion that pins or an obstacle carry the body with
+/// (carried.hpp). Both stages obey the law of contact, hence the end of the step does. Impulses, work and losses of the step are
+/// (1 - g) / g times those of stage 1 plus those of stage 2. A step in which a place strikes is one of backward Euler: stage 2 would throw
+/// back what stage 1 stops.
 #pragma once
 #include "contact/free/isolated.hpp"
 #include "contact/implicit/implicit_stage.hpp"

@@ -44,13 +44,13 @@ std::uint64_t mixed(std::uint64_t value) {
 
 }  // namespace
 
-ImplicitStage::ImplicitStage(const Lattice& lattice, int planes, const Samples* samples) {
+ImplicitStage::ImplicitStage(const Lattice& lattice, int planes, const Samples* samples) : samples_(samples) {
   if (!samples && lattice.lobatto) {  // its matrix is too dense to be factored for each change of friction
     nodes_ = std::make_unique<Samples>(lattice);
-    samples = nodes_.get();
+    samples_ = nodes_.get();
   }
-  if (samples)
-    touches_ = std::make_unique<SurfaceTouches>(*samples, lattice.largest_side(), planes);
+  if (samples_)
+    touches_ = std::make_unique<SurfaceTouches>(*samples_, lattice.largest_side(), planes);
   else
     touches_ = std::make_unique<PointTouches>(lattice, planes);
   const int points = lattice.points();
@@ -146,9 +146,9 @@ StepStatus ImplicitStage::iterate(const Step& step) {
                       step.way > 0 ? rough_loads : fine_loads,
                       of_loads * step.accuracy};
   for (int i = 0; i < most_iterations; ++i) {
-    find_residual(step, i == 0);
+    const bool same_friction = find_residual(step, i == 0);
     problem.parts = parts_;
-    if (straight_ && (convergence_.left() <= step.way || in_balance(step))) return StepStatus::ok;
+    if (straight_ && ((same_friction && convergence_.left() <= step.way) || in_balance(step))) return StepStatus::ok;
     ++iterations_;
     if (spent()) return StepStatus::not_finite;
     if (const StepStatus status = touches_->solve(problem, convergence_.cautious()); status != StepStatus::ok) return status;
@@ -157,8 +157,9 @@ StepStatus ImplicitStage::iterate(const Step& step) {
   return StepStatus::not_finite;
 }
 
-/// Computes all forces but those of contact, and the friction at this state.
-void ImplicitStage::find_residual(const Step& step, bool first) {
+/// Computes all forces but those of contact, and the friction at this state. Returns false if friction differs from that of the last
+/// change.
+bool ImplicitStage::find_residual(const Step& step, bool first) {
   const Body& body = step.equations.body;
   const double per_h = 1 / step.h;
   body.internal_force(x, spring);
@@ -170,7 +171,7 @@ void ImplicitStage::find_residual(const Step& step, bool first) {
     body.add_dashpot_force(x, scratch_, residual_);
   }
   find_parts_residual(step);
-  touches_->find_friction(step, u_, first, largest_stiffness_, slight_);
+  return touches_->find_friction(step, u_, first, largest_stiffness_, slight_);
 }
 
 bool ImplicitStage::in_balance(const Step& step) {
@@ -339,14 +340,14 @@ Slip ImplicitStage::slip_of_contacts(const Step& step) const {
   return sum;
 }
 
-/// Velocity of the obstacle's material at the touching place, seen at mid-step, of a free obstacle at the end of the step [m/s].
+/// Velocity of the obstacle's material at the touching place when it is seen, of a free obstacle at the end of the step [m/s].
 Vec3 ImplicitStage::material_velocity(const Step& step, const Reaction& at) const {
   if (const FreeMotion* own = step.equations.around.planes[at.plane].own) {
     const FreeState& end = free[own->index()];
     return end.velocity + own->spin(end).cross(place_at_end(at) - end.position);
   }
-  if (!on_body(at)) return touches_->material_velocity(at.plane, 0.5 * (at.begin + at.place));
-  return touches_->material_velocity(at.plane, touches_->value(at, step.from.x) + 0.5 * touches_->value(at, u_));
+  if (!on_body(at)) return touches_->material_velocity(at.plane, at.begin + step.seen * (at.place - at.begin));
+  return touches_->material_velocity(at.plane, touches_->value(at, x) - (1 - step.seen) * touches_->value(at, u_));
 }
 
 /// Impulse of a reaction on the body, or on the solid whose own sample it is at [N s].

@@ -51,6 +51,8 @@ class ImplicitStage {
   const Points& force() const { return force_; }
   const std::vector<Reaction>& reactions() const { return reactions_; }
   const ImplicitTouches& touches() const { return *touches_; }
+  /// Samples that obstacles meet; null: they meet the points of the lattice.
+  const Samples* samples() const { return samples_; }
   /// Rounding error of an energy [J].
   double noise() const { return noise_ * extent_; }
 
@@ -80,7 +82,7 @@ class ImplicitStage {
   StepStatus open(const Step& step);
   void predict(const Step& step);
   StepStatus iterate(const Step& step);
-  void find_residual(const Step& step, bool first);
+  bool find_residual(const Step& step, bool first);
   bool in_balance(const Step& step);
   void move(const Step& step);
   void keep_converging();
@@ -115,6 +117,7 @@ class ImplicitStage {
   Vec3 pin_impulse(const Step& step, int p) const;
 
   std::unique_ptr<const Samples> nodes_;
+  const Samples* samples_;
   std::unique_ptr<ImplicitTouches> touches_;
   std::vector<Reaction> reactions_;  ///< in the step that was solved
   std::vector<FreePart> parts_;      ///< parts of free pins, at their present places

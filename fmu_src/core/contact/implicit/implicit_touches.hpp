@@ -32,6 +32,7 @@ class ImplicitTouches {
     double way = 0;                 ///< distance by which the solution may be off [m]
     double accuracy = 1e-8;         ///< allowed residual of the balance over the largest force [1]; rounding of the forces comes on top
     bool turned = false;            ///< `along` has turned to the end of the step already
+    double seen = 0.5;              ///< part of the step after which contact sees velocities of obstacles [1]: 1 in stages of SDIRK2
   };
   /// Action of one touch on the body.
   struct Reaction {
@@ -47,7 +48,7 @@ class ImplicitTouches {
 
   virtual void open(const Step& step) = 0;
   virtual const HalfSpace& plane(int q) const = 0;  ///< at the end of the step
-  /// Velocity of plane q's material at x during the step, in the pose of mid-step [m/s].
+  /// Velocity of plane q's material at x, in the pose that the plane has when it is seen [m/s].
   virtual Vec3 material_velocity(int q, const Vec3& x) const = 0;
   /// True if some position is in front of all planes, to within `slack` [m].
   virtual bool possible(const Vec3& x, double slack) = 0;
@@ -57,7 +58,8 @@ class ImplicitTouches {
   virtual void guess(const Step& step, const Points& force, const Points& x) = 0;
 
   /// Computes friction at displacements u of the step. first: no solution yet. slight: a stiffness change that does not matter [N/m].
-  virtual void find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) = 0;
+  /// Returns false if contacts have begun or ceased to slide, or friction has changed much, since the last solution.
+  virtual bool find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) = 0;
   /// Makes the next solution start from new matrices.
   virtual void refresh() = 0;
   /// Call when masses, stiffness or damping have changed.

@@ -7,7 +7,7 @@ namespace softffd {
 PointTouches::PointTouches(const Lattice& lattice, int planes) : contacts_(lattice, planes), linear_(lattice), free_(lattice.points(), 3) {}
 
 void PointTouches::open(const Step& step) {
-  contacts_.open(step.equations.body, step.equations.around, step.t, step.h, step.from.holds, step.same_matrix);
+  contacts_.open(step.equations.body, step.equations.around, step.t, step.h, step.from.holds, step.same_matrix, step.seen);
 }
 
 void PointTouches::guess(const Step& step, const Points& force, const Points& x) {
@@ -23,14 +23,16 @@ void PointTouches::guess(const Step& step, const Points& force, const Points& x)
   }
 }
 
-void PointTouches::find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) {
-  if (contacts_.scale_friction(step.equations.body.length, largest_stiffness)) linear_.refresh();
+bool PointTouches::find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) {
+  bool changed = contacts_.scale_friction(step.equations.body.length, largest_stiffness);
   if (first) {
     free_ = step.h * (step.along ? *step.along : step.from.v);
     contacts_.guess_friction(step.from.x, u, free_, step.h);
-  } else if (contacts_.find_friction(step.from.x, u, step.h, slight)) {
-    linear_.refresh();
+  } else {
+    changed = contacts_.find_friction(step.from.x, u, step.h, slight) || changed;
   }
+  if (changed) linear_.refresh();
+  return !changed;
 }
 
 StepStatus PointTouches::solve(const StepProblem& problem, bool cautious) {

@@ -17,7 +17,7 @@ class PointTouches final : public ImplicitTouches {
   /// Guesses as touches the points on a plane that the other forces press against it, with the loads of equilibrium, and the points that
   /// would end behind a plane.
   void guess(const Step& step, const Points& force, const Points& x) override;
-  void find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) override;
+  bool find_friction(const Step& step, const Points& u, bool first, double largest_stiffness, double slight) override;
   void refresh() override { linear_.refresh(); }
   void keep(double slight) override { linear_.keep(slight); }
   StepStatus solve(const StepProblem& problem, bool cautious) override;

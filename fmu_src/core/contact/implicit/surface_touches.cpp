@@ -28,7 +28,7 @@ constexpr auto by_row = [](const auto& a, const auto& b) { return a.row < b.row;
 SurfaceTouches::SurfaceTouches(const Samples& samples, double length, int planes)
     : samples_(samples),
       length_(length),
-      middle_(planes),
+      seen_(planes),
       end_(planes),
       poses_(planes),
       free_rows_(samples),
@@ -50,7 +50,7 @@ void SurfaceTouches::open(const Step& step) {
   friction_.resize(flat_);
   own_.assign(flat_, Vec3::Zero());
   for (std::size_t q = 0; q < end_.size(); ++q) {
-    middle_[q] = obstacles[q].at(step.t + 0.5 * step.h);
+    seen_[q] = obstacles[q].at(step.t + step.seen * step.h);
     end_[q] = obstacles[q].at(step.t + step.h);
     poses_[q] = obstacles[q].pose_at(step.t + step.h);
   }
@@ -299,7 +299,7 @@ Vec3 SurfaceTouches::place(const StepProblem& problem, const SurfaceRow& row) co
   const Vec3 begin = begin_of(row), u = own(row) ? Vec3(material_of(row, problem.x) - begin) : samples_.at(row.sample, problem.u);
   Vec3 move = samples_.at(row.sample, move_);
   if (free_rows_.any()) move += free_rows_.parting(row);
-  const Vec3 slip = u + move - problem.h * material_velocity(obstacle_[row.plane], begin + 0.5 * u);
+  const Vec3 slip = u + move - problem.h * material_velocity(obstacle_[row.plane], begin + step_->seen * u);
   return (plane.gap(sample_of_row(row, problem.x).place) + plane.normal.dot(move)) * plane.normal + tangential(plane.normal, slip);
 }
 

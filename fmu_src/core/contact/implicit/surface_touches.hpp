@@ -30,11 +30,11 @@ class SurfaceTouches final : public ImplicitTouches {
 
   void open(const Step& step) override;
   const HalfSpace& plane(int q) const override { return end_[q]; }
-  Vec3 material_velocity(int q, const Vec3& x) const override { return middle_[q].material_velocity(x); }
+  Vec3 material_velocity(int q, const Vec3& x) const override { return seen_[q].material_velocity(x); }
   bool possible(const Vec3& x, double slack) override;
   bool pins_pass() const override { return true; }
   void guess(const Step& step, const Points& force, const Points& x) override;
-  void find_friction(const Step&, const Points&, bool, double, double) override {}  // friction follows from the forces
+  bool find_friction(const Step&, const Points&, bool, double, double) override { return true; }  // friction follows from the forces
   void refresh() override;
   void forget_matrix() override { made_ = {}; }
   bool resume(const Step& step) override;
@@ -90,8 +90,8 @@ class SurfaceTouches final : public ImplicitTouches {
 
   const Samples& samples_;
   double length_;
-  std::vector<HalfSpace> middle_, end_;  ///< obstacles at mid-step and at the end of the step
-  std::vector<SolidPose> poses_;         ///< of solids, at the end of the step
+  std::vector<HalfSpace> seen_, end_;  ///< obstacles when contact sees their velocities, and at the end of the step
+  std::vector<SolidPose> poses_;       ///< of solids, at the end of the step
   FreeRows free_rows_;
   std::vector<FreeState> free_bodies_;  ///< at the end of the step, with the forces at the linearisation
   Tangents tangents_;
