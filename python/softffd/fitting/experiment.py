@@ -109,7 +109,7 @@ def experiment_of(
     plan = plan_of(file, starts, readings, stop_time=stop_time, step=step, inputs=inputs, **how)
     points = Points(**{**vars(plan), "readings": tuple(Reading(COURSE, each.name) for each in plan.readings)})
     over = None if against is None else OverAnother(against, at)
-    course = _course(inputs, against, points) if against and is_input else None
+    course = _course(Inputs(inputs, variables=component.by_name), against, points) if against and is_input else None
     mean, along_mean = (own and not recorded and is_step_mean(name) for name in (match, along))
     return Experiment(points, title, match, along, units, measured, at, unused, mean, along_mean, over, course), parameters
 
@@ -142,8 +142,7 @@ def _stop_time(columns: Columns, given: float | None, step: float | None) -> flo
     return given
 
 
-def _course(inputs: Source | None, against: str, plan: Points) -> np.ndarray:
-    source = Inputs(inputs)
+def _course(source: Inputs, against: str, plan: Points) -> np.ndarray:
     if against not in source.names:
         nearest = did_you_mean(nearest_of(against, source.names))
         raise FmuError(f"against: {against}: wanted an input that goes over time, or an output; nothing drives this one{nearest}")

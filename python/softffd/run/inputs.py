@@ -14,7 +14,7 @@ import numpy as np
 from softffd.errors import FmuError
 from softffd.fmu.component import Component
 from softffd.fmu.interface import ScalarVariable
-from softffd.names import is_pose, parse_name, structured, vector_names
+from softffd.names import components_in, is_pose, parse_name, structured, vector_names
 from softffd.rotation import between_directions, between_orientations, nearer, quaternion
 from softffd.run.tables import checked, is_data_frame, read_csv, table_of
 from softffd.scene.document import shown
@@ -74,15 +74,16 @@ class Inputs:
     Names at control points may have either form (softffd.names); `names` has the structured one.
     """
 
-    def __init__(self, source: Source | None, start_time: float = 0.0):
-        """start_time: start of the run [s]. FmuError if the source has none of these types or its values cannot be used."""
+    def __init__(self, source: Source | None, start_time: float = 0.0, variables: Container[str] = ()):
+        """start_time: start of the run [s]. variables: the FMU's, which say the components of a vector; without them a vector of 3 has
+        .x .y .z, one of 4 .w .x .y .z. FmuError if the source has none of these types or its values cannot be used."""
         source = {} if source is None else source
         self._start = start_time
         self.where = f"{shown(Path(source))}: " if isinstance(source, str | Path) else "inputs: "  # beginning of messages about the source
         self._is_file = isinstance(source, str | Path)
         self.is_function, self._steady = callable(source), isinstance(source, Mapping)
         self._held: set[str] = set()
-        self._at, self.names = _course(source, self.where, start_time, self._held)
+        self._at, self.names = _course(source, self.where, start_time, self._held, variables)
         self.tuned: dict[str, ScalarVariable] = {}  # tunable parameters that a table gives, by their names there; set by `driven`
         now = self._at(start_time, False)
         self.derived_names = list(derived_velocities(now, now, 1.0))  # velocities that follow from given poses
@@ -202,12 +203,12 @@ Course = Callable[[Any, bool], Mapping[str, Any]]
 """Values by name at a time [s], for an interval that ends there (True) or begins there (False); of a table also at many times."""
 
 
-def _course(source: Source, where: str, start: float, held: set[str]) -> tuple[Course, list[str]]:
+def _course(source: Source, where: str, start: float, held: set[str], variables: Container[str]) -> tuple[Course, list[str]]:
     """Returns the course of a source, and its names in order. held: names whose values a table holds between its rows."""
     if callable(source):
-        return _of_function(source, where, start)
+        return _of_function(source, where, start, variables)
     if isinstance(source, Mapping):
-        numbers = _constants(source)
+        numbers = _constants(source, where, variables)
         return _of_function(lambda time: numbers, where, start)
     if isinstance(source, str | Path):
         return _of_table(read_csv(Path(source)), where, held)
@@ -217,7 +218,7 @@ def _course(source: Source, where: str, start: float, held: set[str]) -> tuple[C
     raise FmuError(f"{where}wanted {wanted}, got {type(source).__name__}: {source!r:.70}")
 
 
-def _constants(given: Mapping[str, Any], where: str = "inputs: ") -> dict[str, float]:
+def _constants(given: Mapping[str, Any], where: str, variables: Container[str]) -> dict[str, float]:
     """Returns numbers by the names of single variables; a vector is given by the name that its components share. FmuError, which begins
     with `where`, for anything else."""
     numbers: dict[str, float] = {}
@@ -233,19 +234,25 @@ def _constants(given: Mapping[str, Any], where: str = "inputs: ") -> dict[str, f
             raise FmuError(f"{where}{name}: wanted a finite number or a vector of them, got {value!r:.70}")
         if values.ndim == 0:
             numbers[str(name)] = float(values)
-        elif values.ndim == 1 and (components := {3: "xyz", 4: "wxyz"}.get(len(values))):
-            numbers |= {f"{name}.{c}": float(v) for c, v in zip(components, values, strict=True)}
-        else:
+            continue
+        usual = {c: f"{name}.{c}" for c in {3: "xyz", 4: "wxyz"}.get(values.size, "")}
+        names = components_in(variables, name) or usual
+        if values.ndim != 1 or not names:
             raise FmuError(f"{where}{name}: wanted a number or a vector of 3 (of 4 for an orientation), got the shape {values.shape}")
+        if len(names) != len(values):
+            raise FmuError(f"{where}{name}: wanted {len(names)} numbers, got {value!r:.70}")
+        numbers |= dict(zip(names.values(), values.tolist(), strict=True))
     return numbers
 
 
-def _of_function(function: Callable[[float], Mapping[str, Any]], where: str, start: float) -> tuple[Course, list[str]]:
+def _of_function(
+    function: Callable[[float], Mapping[str, Any]], where: str, start: float, variables: Container[str] = ()
+) -> tuple[Course, list[str]]:
     def asked(time: float) -> dict[str, float]:
         values = function(time)
         if not (isinstance(values, Mapping) and all(isinstance(name, str) for name in values)):
             raise FmuError(f"{where}at {time:g} s: wanted a dict of values by name, got {values!r:.70}")
-        return _constants(values, f"{where}at {time:g} s: ")
+        return _constants(values, f"{where}at {time:g} s: ", variables)
 
     given = list(asked(start))
     names, wanted = _structured(given, where), set(given)

@@ -67,7 +67,7 @@ def simulate(
     with Component(what) as component:
         stop_time = positive("stop time", stop_time, component.interface.stop_time, after=start_time)
         step = positive("communication step", step, component.interface.step)
-        source = Inputs(inputs, start_time)
+        source = Inputs(inputs, start_time, component.by_name)
         simulation = Simulation(
             component, tolerance=tolerance, method=method, start_values=start_values, start_time=start_time,
             stop_time=None if open_end else stop_time,

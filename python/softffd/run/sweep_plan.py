@@ -85,7 +85,7 @@ def plan_of(
         interface = component.interface
         stop_time = positive("stop time", stop_time, interface.stop_time)
         step = positive("communication step", step, interface.step)
-        source = Inputs(inputs)
+        source = Inputs(inputs, variables=component.by_name)
         driven = [variable.name for variable in source.driven(component)]
         started = [name for given in start_values or {} for name in simulation.block(given).names]
         source.require_undriven(started, driven)

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from scenes import box
 from softffd import FmuError, Simulation, load_scene, simulate
 from softffd.run.inputs import Inputs, derived_velocities
 
@@ -158,6 +159,16 @@ def test_a_dict_holds_constants_by_variable_or_vector_and_a_function_gives_the_s
 def test_a_constant_that_is_no_number_or_vector_is_refused_by_name(value):
     with pytest.raises(FmuError, match=r"inputs: load\.a: wanted "):
         Inputs({"load.a": value})
+
+
+@pytest.mark.parametrize("form", [str, lambda name: name.replace(".", "_")])
+def test_a_vector_has_the_components_of_the_fmu_in_either_form_of_its_name(form):
+    scene = box(plane=[{"name": "a", "motion": "input"}], stop_time=0.02)
+    given = {form("plane.a.point"): (0.0, 0.1, -0.2)}
+    for source in (given, lambda _time: given):
+        assert [simulate(scene, inputs=source).inputs[f"plane.a.point.{c}"][0] for c in "xyz"] == [0.0, 0.1, -0.2]
+    with pytest.raises(FmuError, match=rf"inputs: {form('plane.a.point')}: wanted 3 numbers, got \(0, 0, 1, 1\)"):
+        simulate(scene, inputs={form("plane.a.point"): (0, 0, 1, 1)})
 
 
 def test_a_data_frame_goes_by_its_time_or_its_index():
