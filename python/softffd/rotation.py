@@ -36,9 +36,14 @@ def nearer(orientation: np.ndarray, to: np.ndarray) -> np.ndarray:
     return np.where((orientation * to).sum(axis=-1, keepdims=True) < 0, -orientation, orientation)
 
 
+def _unit(vector: np.ndarray) -> np.ndarray:
+    """Returns the vector with the length 1; zeros stay zeros, and the component refuses them."""
+    return vector / (np.linalg.norm(vector) or 1.0)
+
+
 def between_directions(first: np.ndarray, last: np.ndarray) -> np.ndarray:
     """Returns the shortest rotation vector (3,) [rad] from one direction (3,) of any length to another; zero for opposite directions."""
-    a, b = first / np.linalg.norm(first), last / np.linalg.norm(last)
+    a, b = _unit(first), _unit(last)
     axis = np.cross(a, b)
     sine = np.linalg.norm(axis)
     return axis / sine * np.arctan2(sine, a @ b) if sine > 0 else np.zeros(3)
@@ -46,8 +51,8 @@ def between_directions(first: np.ndarray, last: np.ndarray) -> np.ndarray:
 
 def between_orientations(first: np.ndarray, last: np.ndarray) -> np.ndarray:
     """Returns the shortest rotation vector (3,) [rad], world frame, from one orientation (w, x, y, z) of any length to another."""
-    (w1, *v1), (w2, *v2) = first / np.linalg.norm(first), last / np.linalg.norm(last)
-    v1, v2 = np.array(v1), np.array(v2)
+    first, last = _unit(first), _unit(last)
+    w1, v1, w2, v2 = first[0], first[1:], last[0], last[1:]
     w, v = w2 * w1 + v2 @ v1, w1 * v2 - w2 * v1 - np.cross(v2, v1)  # last times the conjugate of first
     sine = np.linalg.norm(v)
     return np.sign(w or 1) * v / sine * 2 * np.arctan2(sine, abs(w)) if sine > 0 else np.zeros(3)

@@ -34,6 +34,10 @@ def test_the_turn_between_two_directions_takes_one_to_the_other():
     assert between_directions(first, 3 * first) == pytest.approx(np.zeros(3))
 
 
+def test_a_direction_or_orientation_of_length_zero_has_no_turn():
+    assert not between_directions(np.zeros(3), X).any() and not between_orientations(np.zeros(4), np.eye(4)[1]).any()
+
+
 @pytest.mark.parametrize("angle", [0.3, -0.3, 3.0])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_the_turn_between_two_orientations_is_the_shortest(angle, sign):
