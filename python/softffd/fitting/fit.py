@@ -47,7 +47,7 @@ MOST_ITERATIONS = 50
 def fit(
     scene_or_fmu: Scene | str | Path | Sequence[Scene | str | Path], data: Data | Sequence[Data], match: str,
     vary: Iterable[str] | Mapping[str, float | None], *, against: str | None = None, recorded: bool = False,
-    noise: Sequence[float] | None = None, stop_time: float | None = None, step: float | None = None,
+    noise: float | Sequence[float] | None = None, stop_time: float | None = None, step: float | None = None,
     start_values: Mapping[str, Any] | None = None, inputs: Source | None = None, tolerance: float | None = None, method: str | None = None,
     jobs: int | None = None, executor: Executor | None = None, progress: Progress | None = None,
 ) -> Fit:  # fmt: skip
@@ -65,7 +65,7 @@ def fit(
         unloading, but needs no time.
     recorded: whether the data are outputs of a run, as in result.csv. Reactions and torques in such data are means of the steps that end
         at their times. The values of an instrument belong to their times; the means of the runs then count in the middle of their steps.
-    noise: standard deviations of the tests, if they differ; only their ratios count.
+    noise: standard deviations of the tests, if they differ, or the one of one test; only their ratios count.
     stop_time: of the runs [s]; by default the communication point of the last row or the next one, for data without times the FMU's.
     step, start_values, inputs, tolerance, method: for all runs, as for `simulate`.
     jobs, executor: how the runs of a Jacobian are made, as for `sweep`.
@@ -107,9 +107,9 @@ def _paired(scene_or_fmu: Any, data: Any) -> tuple[list[Any], list[Any]]:
     return scenes, tests
 
 
-def _weights(experiments: Sequence[Experiment], noise: Sequence[float] | None) -> np.ndarray:
+def _weights(experiments: Sequence[Experiment], noise: float | Sequence[float] | None) -> np.ndarray:
     """Returns the weight of each row: 1 in the test of least noise, less in other tests."""
-    given = [1.0] * len(experiments) if noise is None else [one_number("noise", each) for each in noise]
+    given = [1.0] * len(experiments) if noise is None else [one_number("noise", each) for each in np.atleast_1d(noise)]
     if len(given) != len(experiments) or not all(0 < each < math.inf for each in given):
         raise SoftffdError(f"noise: wanted a number > 0 for each of {len(experiments)} tests, got {given}")
     return np.concatenate([np.full(len(each.measured), min(given) / own) for each, own in zip(experiments, given, strict=True)])

@@ -212,6 +212,7 @@ def test_an_interrupt_tells_the_best_so_far(curve):
         ({"stop_time": 0.2}, "data: time: wanted rows up to the run's end, 0.2 s, got one at 0.2025 s"),
         ({"start_values": {"damping": 1.0}}, "damping: is varied, so that its start value would be lost"),
         ({"noise": [0.0]}, "noise: wanted a number > 0 for each of 1 tests"),
+        ({"noise": 0.0}, r"noise: wanted a number > 0 for each of 1 tests, got \[0.0\]"),
         ({"jobs": 0}, "jobs: wanted a whole number of at least 1, got 0"),
         ({"data": [1, 2]}, "data: wanted one for each scene or FMU, got 2 for 1"),
     ],
