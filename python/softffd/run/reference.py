@@ -7,6 +7,7 @@ are those of the layered standard FMI-LS-REF (https://github.com/modelica/fmi-ls
 """
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from xml.etree import ElementTree as Xml
 
 import numpy as np
@@ -17,7 +18,7 @@ from softffd.names import structured, unit_of, variable_names
 from softffd.run.inputs import Inputs
 from softffd.run.result import Result
 from softffd.run.simulate import simulate
-from softffd.scene.scene import Scene
+from softffd.scene.scene import Scene, scene_of
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 LAYERED = "http://fmi-standard.org/fmi-ls-manifest"
@@ -35,11 +36,12 @@ LEFT_OUT = ("velocity[", "solver.")  # outputs that no comparison uses: velociti
 FINER = 0.1  # tolerance of the run that gives the error, as a fraction of the scene's
 
 
-def reference_files(scene: Scene, *, progress: Callable[[float, float], None] | None = None) -> dict[str, bytes]:
+def reference_files(scene: Scene | str | Path, *, progress: Callable[[float, float], None] | None = None) -> dict[str, bytes]:
     """Returns the files by their names in the FMU, from two runs of the scene with its own inputs, communication step and stop time.
 
-    progress: as for `simulate`, for the two runs together.
+    scene: a scene, the path of its file, or the name of a shipped one. progress: as for `simulate`, for the two runs together.
     """
+    scene = scene_of(scene, "reference_files")
 
     def half(first: float) -> Callable[[float, float], None] | None:
         return progress and (lambda share, time: progress(first + share / 2, time))

@@ -53,7 +53,7 @@ def test_the_manifest_has_what_the_layered_standard_wants(scene):
 
 
 def test_a_scene_without_inputs_has_no_file_of_them():
-    assert f"{FOLDER}/inputs.csv" not in reference_files(load_scene("free_vibration"))
+    assert f"{FOLDER}/inputs.csv" not in reference_files("free_vibration")
 
 
 def test_the_command_puts_them_in_where_it_is_asked_to(tmp_path, monkeypatch):

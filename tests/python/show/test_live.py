@@ -10,7 +10,7 @@ import trimesh
 
 from pages import in_node, live_of, parts_by_name
 from scenes import box
-from softffd import load_scene, save_mesh, simulate
+from softffd import save_mesh, simulate
 from softffd.cli.command import main
 from softffd.cli.keep import run_scene_or_fmu
 from softffd.errors import SoftffdError
@@ -163,7 +163,7 @@ def test_a_live_scene_moves_by_hand_what_does_not_turn():
     belt, press, drum = scene.plane
     assert (belt.motion, press.motion, drum.motion, scene.pin[0].motion) == ("input", "input", "fixed", "input")
     assert belt.velocity == (1.0, 0.0, 0.0) and press.velocity == (0.0, 0.0, 0.0)
-    assert scene.experiment.communication_step == 1e-3 and live_scene(load_scene("press")).experiment.communication_step == 1 / 480
+    assert scene.experiment.communication_step == 1e-3 and live_scene("press").experiment.communication_step == 1 / 480
 
 
 def test_a_slider_has_a_range_for_each_parameter():
