@@ -20,11 +20,13 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
     """Opens a binary stream to a temporary file beside `path`, which replaces `path` when the block ends and is deleted when it fails.
 
     The name of the temporary file cannot be guessed and must be new. Writers of the same file, threads included, therefore do not meet,
-    and no link that somebody has put there is followed. If `path` is a link, it stays one, and its target is replaced. Raises OSError,
-    which names `path`, if the folder is missing or may not be written to, and SoftffdError if `path` is a folder.
+    and no link that somebody has put there is followed. If `path` is a link, it stays one, and its target is replaced. A missing folder
+    is made. Raises SoftffdError if the folder may not be written to or is a file, or if `path` is a folder, and OSError, which names
+    `path`, if writing fails.
     """
     target = Path(os.path.realpath(path))
     _require_no_folder(target, path)
+    _make_folder(target.parent if Path(path).is_symlink() else Path(path).parent)
     partial = target.with_name(f".softffd-{secrets.token_hex(8)}.partial")
     try:
         with _naming(path, partial):
@@ -54,8 +56,9 @@ def _require_no_folder(target: Path, path: str | Path) -> None:
 @contextmanager
 def appearing_in(folder: Path) -> Iterator[Path]:
     """Makes a new folder inside `folder`, for a block that writes files into it. When the block ends, the content of the new folder
-    moves up into `folder`, and each file and folder replaces one of the same name; if the block fails, nothing moves. Raises OSError and
-    SoftffdError as `replacing` does."""
+    moves up into `folder`, and each file and folder replaces one of the same name; if the block fails, nothing moves. A missing `folder`
+    is made. Raises OSError and SoftffdError as `replacing` does."""
+    _make_folder(folder)
     place = folder / f".softffd-{secrets.token_hex(8)}.partial"
     try:
         with _naming(folder, place):
@@ -131,3 +134,9 @@ def require_writable(folder: Path) -> None:
         raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} is a file")
     if not os.access(there, os.W_OK | os.X_OK):
         raise SoftffdError(f"{folder}: wanted a folder to write to, but {there} may not be written to")
+
+
+def _make_folder(folder: Path) -> None:
+    """Makes a folder if it is missing. Raises SoftffdError if files cannot be written there."""
+    require_writable(folder)
+    folder.mkdir(parents=True, exist_ok=True)

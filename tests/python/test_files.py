@@ -108,16 +108,20 @@ def test_a_name_may_be_as_long_as_the_system_allows(tmp_path):
     assert [len(name) for name in os.listdir(tmp_path)] == [255]
 
 
-def test_a_missing_folder_is_an_error_of_the_system_that_names_the_file(tmp_path):
-    with pytest.raises(FileNotFoundError) as caught:
-        write_text(tmp_path / "none" / "x", "")
-    assert caught.value.filename == str(tmp_path / "none" / "x") and ".partial" not in str(caught.value)
+def test_a_missing_folder_is_made_by_all_writers_and_a_place_that_cannot_be_one_is_refused(tmp_path, monkeypatch):
+    write_text(tmp_path / "none" / "deep" / "x", "new")
+    with appearing_in(tmp_path / "none" / "else") as place:
+        (place / "y").write_text("")
+    assert (tmp_path / "none" / "deep" / "x").read_text() == "new" and os.listdir(tmp_path / "none" / "else") == ["y"]
+    for folder, words in [("none/deep/x", "is a file"), ("locked", "may not be written to")]:
+        monkeypatch.setattr(os, "access", lambda _path, _mode, locked=folder == "locked": not locked)
+        with pytest.raises(SoftffdError, match=f"{folder}.*: wanted a folder to write to.*{words}"):
+            write_text(tmp_path / folder / "z", "")
+        with pytest.raises(SoftffdError, match=f"{folder}.*: wanted a folder to write to.*{words}"), appearing_in(tmp_path / folder):
+            pass
 
 
 def test_files_that_cannot_appear_are_named_as_they_would_be(tmp_path):
-    with pytest.raises(FileNotFoundError) as caught, appearing_in(tmp_path / "none"):
-        pass
-    assert caught.value.filename == str(tmp_path / "none") and ".partial" not in str(caught.value)
     with pytest.raises(FileNotFoundError) as caught, appearing_in(tmp_path) as place:
         (place / "none" / "x").write_text("")
     assert str(caught.value).endswith(f"'{tmp_path / 'none' / 'x'}'")

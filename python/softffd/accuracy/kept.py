@@ -13,7 +13,6 @@ from softffd.files import table_text, write_bytes
 
 def keep_files(folder: Path, files: Mapping[str, bytes | str]) -> None:
     """Writes files by name into a folder, which is made if missing."""
-    folder.mkdir(parents=True, exist_ok=True)
     for name, content in files.items():
         write_bytes(folder / name, content.encode() if isinstance(content, str) else content)
 

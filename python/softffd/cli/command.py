@@ -17,7 +17,7 @@ from typing import Any
 
 from softffd.cli.options import parse, run_options
 from softffd.errors import Interrupted, SoftffdError
-from softffd.files import require_new, require_writable, size_of
+from softffd.files import require_new, require_writable, size_of, write_text
 from softffd.run.progress import ProgressLine
 from softffd.spelling import is_unicode
 
@@ -83,6 +83,7 @@ def _build(options: argparse.Namespace) -> None:
     scene = load_scene(options.scene)
     asked = f"{scene.name}.fmu" if options.output is None else options.output
     require_new([Path(asked)], "another name by -o X.fmu", overwrite=options.overwrite)
+    require_writable(Path(asked).parent)
     with ProgressLine("packaging") as progress:
         extra = None
         if options.reference:
@@ -207,7 +208,7 @@ def _new(options: argparse.Namespace) -> None:
         print(made.said)
     elif given := [key for key, value in _mesh_options(options).items() if value is not None]:
         raise SoftffdError(f"--{given[0]}: wanted with --mesh FILE")
-    path.write_text(template(path.stem) if options.mesh is None else made.text, encoding="utf-8")
+    write_text(path, template(path.stem) if options.mesh is None else made.text)
     print(f"{path}: edit it, then: softffd run {shlex.quote(str(path))}")
 
 

@@ -49,7 +49,6 @@ def build_driver(name: str, folder: str | Path, *, start_values: Mapping[str, An
         done = subprocess.run([sys.executable, *build, *map(str, files)], cwd=scratch, capture_output=True, text=True)
         if done.returncode != 0:
             raise SoftffdError(f"{path}: pythonfmu could not build it: {done.stderr.strip() or done.stdout.strip()}")
-        path.parent.mkdir(parents=True, exist_ok=True)
         write_bytes(path, (Path(scratch) / f"{name.capitalize()}.fmu").read_bytes())
     return path
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from softffd.errors import SoftffdError
 from softffd.export.take import Take
-from softffd.files import appearing_in, require_writable
+from softffd.files import appearing_in
 from softffd.run.progress import Note, silent
 from softffd.run.result import Result
 from softffd.run.tables import package
@@ -95,11 +95,9 @@ def export_result(
     _ = take.stage  # raises SoftffdError where positions were not recorded
     if not kind.draws:
         take.require_within(name, float(np.spacing(np.abs(take.stage.positions[take.rows]).max().astype(np.float32))) / 2)
-    require_writable(path.parent)
     if kind.series:
         _require_own(others[-1], kind.series)
     write: Callable[[Take, Path], None] = import_module(f"softffd.export.{kind.writer}").write
-    path.parent.mkdir(parents=True, exist_ok=True)
     with appearing_in(path.parent) as place:
         write(take, place / path.name)
         made = sorted(each.name for each in place.iterdir())

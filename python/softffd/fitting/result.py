@@ -75,9 +75,7 @@ class Fit:
     def save(self, folder: str | Path) -> list[Path]:
         """Writes fit.json (parameters), fit.csv (data and curves) and fit.png to a folder, each whole or not at all. Returns the
         paths."""
-        folder = Path(folder)
-        folder.mkdir(parents=True, exist_ok=True)
-        files = [folder / name for name in FILES]
+        files = [Path(folder) / name for name in FILES]
         write_text(files[0], json_text(self._as_json()))
         write_text(files[1], self._as_csv())
         self.plot(files[2])

@@ -8,7 +8,7 @@ from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo, is_zipfile
 
 from softffd.errors import FmuError, SoftffdError
-from softffd.files import replacing, require_writable
+from softffd.files import replacing
 from softffd.installed import host_library, loaded_library
 
 LARGEST, MOST_TIMES = 1e9, 100  # most bytes that any FMU may unpack to; a larger FMU may unpack to this many times its own size
@@ -20,8 +20,6 @@ ELF = {0x3E: "x86_64", 0xB7: "aarch64"}  # processors by their numbers in ELF fi
 def write_archive(path: Path, entries: Mapping[str, bytes]) -> None:
     """Writes the entries by name, modelDescription.xml first, the others sorted. Time stamps and modes are fixed, so that the same
     entries give the same bytes. path: its folder is made if missing."""
-    require_writable(path.parent)
-    path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path) as stream, ZipFile(stream, "w") as archive:
         for name in sorted(entries, key=lambda name: (name != "modelDescription.xml", name)):
             entry = ZipInfo(name, NEW_YEAR_2020)

@@ -16,7 +16,7 @@ from xml.etree import ElementTree as Xml
 import fmpy
 
 from softffd.errors import SoftffdError
-from softffd.files import replacing, require_writable, seen_from
+from softffd.files import replacing, seen_from
 from softffd.fmu.archive import require_no_bomb
 from softffd.fmu.interface import read_interface
 from softffd.fmu.model_description import xml_text
@@ -87,8 +87,6 @@ def _write(
         wiring.record([record] if isinstance(record, str) else record)
         if problems := wiring.problems:
             raise SoftffdError("\n".join([f"{path}: {len(problems)} problem{'s' * (len(problems) > 1)}", *(f"  {p}" for p in problems)]))
-        require_writable(path.parent)
-        path.parent.mkdir(parents=True, exist_ok=True)
         with replacing(path) as stream, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr("SystemStructure.ssd", xml_text(_structure(path.stem, wiring)))
             if wiring.starts:

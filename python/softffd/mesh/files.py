@@ -82,7 +82,8 @@ def save_mesh(mesh: Mesh, path: str | Path, *, vertices: np.ndarray | None = Non
     vertices: (V, 3) [m], written in place of the vertices of the mesh, as `deform` returns them.
     up: the axis of the file that stands for +z, as for load_mesh ("y" for programs that follow the convention of glTF).
     decimals: number of decimals in an OBJ file, by default 9, and more for a mesh below 1 cm; the other formats hold single precision.
-    Raises MeshError if the ending is none of the four or the file cannot be written, and ValueError for `vertices` of another shape.
+    Raises MeshError if the ending is none of the four or writing fails, SoftffdError if the folder cannot be made or written to, and
+    ValueError for `vertices` of another shape. A missing folder is made.
     """
     path = Path(path)
     _require_known_ending(path, WRITTEN)

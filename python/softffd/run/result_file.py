@@ -23,7 +23,7 @@ import numpy as np
 from softffd import __version__
 from softffd.embedding.deform import BASES
 from softffd.errors import SoftffdError
-from softffd.files import replacing, require_writable, table_text
+from softffd.files import replacing, table_text
 from softffd.fmu.instance import Message
 from softffd.lattice import LatticeBox
 from softffd.obstacles import Obstacles
@@ -63,8 +63,6 @@ def write_files(path: Path, fields: Mapping[str, Any], columns: Mapping[str, np.
     """
     one = path.suffix.lower() == ".npz"
     folder = path.parent if one else path
-    require_writable(folder)
-    folder.mkdir(parents=True, exist_ok=True)
     files: dict[str, Callable[[BinaryIO], object]] = {path.name if one else KEPT: partial(_write_result, fields)}
     if not one:
         summary = json.dumps(fields["summary"], indent=2) + "\n"

@@ -176,7 +176,6 @@ class Sweep:
         """Writes an NPZ file with an array for each varied variable and each output; it appears whole or not at all."""
         own = {"sweep.done": self.done, "sweep.messages": self.messages.astype(str), "sweep.about": json.dumps(self.about)}
         arrays: dict[str, Any] = {**self.values, **self.outputs, **own}
-        Path(file).parent.mkdir(parents=True, exist_ok=True)
         with replacing(file) as stream:
             write_arrays(stream, arrays)
         return Path(file)

@@ -152,7 +152,7 @@ def test_new_writes_a_scene_that_runs(quick, capsys):
 def test_new_wants_a_name_and_prints_a_command_to_copy(quick, capsys):
     for name in ("", ".", "..", ".toml"):
         assert "wanted the name of a scene" in refused(capsys, "new", name)
-    assert main(["new", "my scene"]) == 0
+    assert main(["new", "deep/my scene"]) == main(["new", "my scene"]) == 0 and Path("deep/my scene.toml").is_file()
     assert "softffd run 'my scene.toml'" in capsys.readouterr().out
 
 
@@ -331,7 +331,9 @@ def test_an_fmu_without_a_default_experiment_asks_for_times(quick, capsys):
     assert "communication step: wanted > 0 s, got none" in refused(capsys, "run", "bare.fmu", "--stop-time", "0.1")
 
 
-@pytest.mark.parametrize("command", [["run", "quick.toml"], ["demo"], ["accuracy"], ["stability"], ["drivers"]])
+@pytest.mark.parametrize(
+    "command", [["run", "quick.toml"], ["build", "quick.toml", "--reference"], ["demo"], ["accuracy"], ["stability"], ["drivers"]]
+)
 def test_a_folder_that_cannot_be_is_refused_before_anything_runs(command, quick, monkeypatch, capsys):
     monkeypatch.setattr(Component, "do_step", None)
     monkeypatch.setattr(Drive, "go_on", None)

@@ -11,7 +11,7 @@ import trimesh
 from PIL import Image
 
 from mesh_files import CORNERS, ENDINGS, FACES, OFF, PLY_TEXT, TETRAHEDRON, ball, binary_ply, glb_with, loaded, ply, saved, text_stl
-from softffd.errors import MeshError
+from softffd.errors import MeshError, SoftffdError
 from softffd.mesh.files import load_mesh, save_mesh
 from softffd.mesh.mesh import Mesh
 from softffd.mesh.normals import merge_by_position
@@ -58,8 +58,9 @@ def test_vertices_given_are_saved_in_place_of_the_mesh_s_own(tmp_path):
 def test_what_cannot_be_saved_says_why(tmp_path):
     with pytest.raises(MeshError, match=r"one of \.obj, \.stl, \.ply, \.glb, got \.dae"):
         save_mesh(ball(), tmp_path / "a.dae")
-    with pytest.raises(MeshError, match="cannot be written: No such file or directory"):
-        save_mesh(ball(), tmp_path / "none" / "a.ply")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(SoftffdError, match=r"wanted a folder to write to, but .*file is a file"):
+        save_mesh(ball(), tmp_path / "file" / "a.ply")
     with pytest.raises(MeshError, match="not written: 42 of 42 vertices are not finite"):
         save_mesh(ball(), tmp_path / "a.ply", vertices=ball().vertices * np.nan)
     with pytest.raises(MeshError, match="not written: the mesh has no faces"):
@@ -67,7 +68,7 @@ def test_what_cannot_be_saved_says_why(tmp_path):
     for kind in ("stl", "ply", "glb"):
         with pytest.raises(MeshError, match=r"its coordinates go to .*e\+40 m, too far for single precision"):
             save_mesh(ball(), tmp_path / f"a.{kind}", vertices=ball().vertices * 1e40)
-    assert not list(tmp_path.iterdir())
+    assert list(tmp_path.iterdir()) == [tmp_path / "file"]
 
 
 @pytest.mark.parametrize("corner", [4, -1])
