@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from softffd.errors import SoftffdError
+from softffd.spelling import did_you_mean
 
 
 @contextmanager
@@ -35,6 +36,16 @@ def replacing(path: str | Path) -> Iterator[BinaryIO]:
             os.replace(partial, target)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def path_with(ending: str, path: str | Path) -> Path:
+    """Returns the path. Raises SoftffdError if no file of this ending can be written there: it has another ending, or is a folder."""
+    name = f"{path}" or '""'
+    if Path(path).is_dir() and str(path):
+        raise SoftffdError(f"{name}: wanted a file name ending in {ending}, got a folder{did_you_mean(str(Path(path) / f'NAME{ending}'))}")
+    if Path(path).suffix.lower() != ending:
+        raise SoftffdError(f"{name}: wanted a file name ending in {ending}{did_you_mean(f'{path}{ending}' if str(path) else None)}")
+    return Path(path)
 
 
 @contextmanager

@@ -18,6 +18,7 @@ from softffd.embedding.mass import Masses, point_masses
 from softffd.embedding.mass_solid import node_masses
 from softffd.embedding.samples import Samples, surface_samples
 from softffd.errors import SoftffdError
+from softffd.files import path_with
 from softffd.fmu.archive import write_archive
 from softffd.fmu.interface import Interface, scene_interface
 from softffd.fmu.model_description import completed, model_description, model_description3, xml_text
@@ -29,7 +30,6 @@ from softffd.fmu.terminals import terminals
 from softffd.fmu.variables import Variable, variables
 from softffd.installed import data_folder, libraries
 from softffd.lattice import cells_within, shared_by_corners, to_flat
-from softffd.spelling import did_you_mean
 
 if TYPE_CHECKING:
     from softffd.scene.scene import Scene
@@ -187,13 +187,3 @@ def scene_texts(scene: Scene, fmi: int = 2) -> tuple[dict[str, bytes], list[Vari
     if notes := body_notes(scene, masses, samples):
         texts[f"resources/{NOTES}"] = "".join(f"{note}\n" for note in notes).encode()
     return texts, listed, guid
-
-
-def path_with(ending: str, path: str | Path) -> Path:
-    """Returns the path. Raises SoftffdError if no file of this ending can be written there: it has another ending, or is a folder."""
-    name = f"{path}" or '""'
-    if Path(path).is_dir() and str(path):
-        raise SoftffdError(f"{name}: wanted a file name ending in {ending}, got a folder{did_you_mean(str(Path(path) / f'NAME{ending}'))}")
-    if Path(path).suffix.lower() != ending:
-        raise SoftffdError(f"{name}: wanted a file name ending in {ending}{did_you_mean(f'{path}{ending}' if str(path) else None)}")
-    return Path(path)

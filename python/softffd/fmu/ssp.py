@@ -16,11 +16,11 @@ from xml.etree import ElementTree as Xml
 import fmpy
 
 from softffd.errors import SoftffdError
-from softffd.files import replacing, seen_from
+from softffd.files import path_with, replacing, seen_from
 from softffd.fmu.archive import require_no_bomb
 from softffd.fmu.interface import read_interface
 from softffd.fmu.model_description import xml_text
-from softffd.fmu.package import package_fmu, path_with
+from softffd.fmu.package import package_fmu
 from softffd.fmu.wiring import Element, Wiring, read_units
 from softffd.scene.kept import KeptScene
 from softffd.scene.scene import Scene, scene_of

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from softffd.errors import SoftffdError
-from softffd.files import replacing, table_text, write_text
+from softffd.files import path_with, replacing, table_text, write_text
 from softffd.run.inputs import Source
 from softffd.run.result import Columns
 from softffd.run.result_file import UNREADABLE, damaged, read_arrays, write_arrays
@@ -49,17 +49,18 @@ def sweep(
     executor: any of concurrent.futures, such as `client.get_executor()` of a distributed.Client, MPIPoolExecutor of mpi4py, or loky's. Its
         workers make the runs; they need the same softffd and no files. The executor stays open; if it goes on without a worker that a run
         took down, that run counts as failed too.
-    file: NPZ file that keeps the runs that are done, written whole or not at all. After an interrupt the same call makes the missing runs.
+    file: file ending in .npz that keeps the runs that are done, written whole or not at all. After an interrupt the same call makes the
+        missing runs.
     progress: called as progress(runs done, runs of the sweep).
     A run that fails is NaN in the table, with its message. Raises FmuError if a name or a value cannot be used in any run, and
     SoftffdError if `file` holds another sweep.
     """
     require_workers(jobs, executor)
+    file = None if file is None else path_with(".npz", file)
     plan = plan_of(
         scene_or_fmu, vary, outputs, stop_time=stop_time, step=step, start_values=start_values, inputs=inputs, tolerance=tolerance,
         method=method,
     )  # fmt: skip
-    file = None if file is None else Path(file)
     table = _begun(plan, file)
     missing = [index for index in np.ndindex(plan.shape) if not table.done[index]]
     kept = clock.monotonic()

@@ -25,9 +25,10 @@ from softffd import rotation
 from softffd.drivers import MENDING
 from softffd.embedding.basis import weights
 from softffd.errors import SoftffdError
+from softffd.files import path_with
 from softffd.fmu.interface import elements
 from softffd.fmu.model_description import completed, model_description
-from softffd.fmu.package import path_with, scene_masses
+from softffd.fmu.package import scene_masses
 from softffd.fmu.variables import has_damping, variables
 from softffd.installed import table
 from softffd.lattice import LatticeBox, point_at

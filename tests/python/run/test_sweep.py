@@ -162,6 +162,7 @@ def test_a_file_of_another_sweep_is_refused(tmp_path):
         ({"mass": [1]}, {"executor": 7}, r"executor: wanted one of concurrent\.futures, such as client\.get_executor\(\), got int"),
         ({"mass": [1]}, {"executor": SimpleNamespace(submit=print)}, r"client\.get_executor\(\), got SimpleNamespace"),
         *[({"mass": [1]}, {"jobs": wrong}, "jobs: wanted a whole number of at least 1") for wrong in (0, "2", 1.5)],
+        ({"mass": [1]}, {"file": "kept.csv"}, r'wanted a file name ending in \.npz, did you mean "kept\.csv\.npz"'),
         ({"mass": [1]}, {"outputs": 5}, "5: wanted an output of the FMU"),
     ],
 )
