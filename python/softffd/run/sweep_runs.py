@@ -4,6 +4,7 @@ component is opened once and reset between its runs."""
 import math
 import sys
 import tempfile
+import time as clock
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from contextlib import contextmanager
@@ -25,7 +26,8 @@ from softffd.run.sweep_plan import COURSE, END, Index, Plan
 FOLD: dict[str, Callable[[np.ndarray], Any]] = {
     END: lambda column: column[-1], "max": np.max, "min": np.min, "mean": np.mean, COURSE: lambda column: column,
 }  # fmt: skip
-CHUNKS, TOGETHER = 64, 50  # approximate number of an executor's chunks of runs, most runs in one: an interrupt loses those in them
+CHUNKS, TOGETHER = 64, 50  # approximate number of an executor's chunks of runs, most runs in one
+CHUNK_TIME = 2.0  # a chunk ends with the run in which it becomes this old [s], its other runs follow later: an interrupt loses no more
 LOST = "the worker process ended, each time that it was tried"
 
 Readings = np.ndarray | str  # the values read from a run (r,), (r, T) for whole courses; or the message of its failure
@@ -91,10 +93,14 @@ def _here(opened: dict[int, Opened], plan: Plan, indices: Sequence[Index]) -> Ge
 
 
 def run_list(plan: Plan, runs: Sequence[Index]) -> list[Readings]:
-    """Returns the results of some runs, made in a process of this machine."""
-    opened = Opened()
+    """Returns the results of the first of some runs, made in a process of this machine: those of CHUNK_TIME, at least one."""
+    opened, results, began = Opened(), [], clock.monotonic()
     try:
-        return [opened.run(plan, index) for index in runs]
+        for index in runs:
+            results.append(opened.run(plan, index))
+            if clock.monotonic() - began > CHUNK_TIME:
+                break
+        return results
     finally:
         opened.close()
 
@@ -123,8 +129,9 @@ def _on_executor(executor: Executor, plan: Plan, indices: Sequence[Index]) -> Ge
 def _by_futures(
     submit: Callable[[Sequence[Index]], Future[list[Readings]]], indices: Sequence[Index], chunks: int
 ) -> Generator[tuple[Index, Readings]]:
-    """Yields runs as they are done. Runs whose worker ended are tried again, one at a time; a run that ends its worker again counts as
-    failed. SoftffdError if workers have another version or the executor takes no more runs."""
+    """Yields runs as they are done; runs that a chunk had no time for are given again. Runs whose worker ended are tried again, one at a
+    time; a run that ends its worker again counts as failed. SoftffdError if workers have another version or the executor takes no more
+    runs."""
     together = max(1, min(TOGETHER, math.ceil(len(indices) / chunks)))
     given: dict[Future[list[Readings]], Sequence[Index]] = {}
 
@@ -139,12 +146,17 @@ def _by_futures(
     try:
         begun = [give(indices[n : n + together]) for n in range(0, len(indices), together)]
         suspects: list[Index] = []
-        for future in as_completed(begun):
-            runs, results = given.pop(future), _results(future)
-            if results is None:
-                suspects += runs
-            else:
-                yield from zip(runs, results, strict=True)
+        while begun:
+            rest: list[Future[list[Readings]]] = []
+            for future in as_completed(begun):
+                runs, results = given.pop(future), _results(future)
+                if results is None:
+                    suspects += runs
+                    continue
+                yield from zip(runs, results, strict=False)
+                if later := runs[len(results) :]:
+                    rest.append(give(later))
+            begun = rest
         for run in suspects:
             yield run, (_results(give([run])) or [LOST])[0]
     finally:
@@ -153,7 +165,7 @@ def _by_futures(
 
 
 def run_elsewhere(plan: Plan, fmu: bytes, runs: Sequence[Index], version: str) -> list[Readings]:
-    """Returns the results of some runs, made on a worker of an executor."""
+    """Returns the results of the first of some runs, see `run_list`, made on a worker of an executor."""
     if softffd.__version__ != version:
         raise SoftffdError(f"executor: a worker has softffd {softffd.__version__}, wanted {version}")
     with TemporaryDirectory(prefix="softffd-") as folder:
@@ -163,7 +175,7 @@ def run_elsewhere(plan: Plan, fmu: bytes, runs: Sequence[Index], version: str) -
 
 
 def _results(future: Future[list[Readings]]) -> list[Readings] | None:
-    """Returns the results of some runs; None if their worker ended, which the name of the error's type shows: ProcessExpired of pebble,
+    """Returns the results of a chunk; None if its worker ended, which the name of the error's type shows: ProcessExpired of pebble,
     BrokenProcessPool, TerminatedWorkerError of loky, KilledWorker of Dask."""
     try:
         return future.result()

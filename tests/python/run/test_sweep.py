@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import numpy as np
@@ -93,6 +94,18 @@ def test_a_run_that_takes_its_process_down_is_a_failed_run(monkeypatch):
     table = sweep(SCENE, {"mass": [1, 2, 3]}, outputs=[FORCE], jobs=2)
     assert table.failures == [({"mass": 2}, "the worker process ended, each time that it was tried")]
     assert np.isnan(table.outputs[FORCE]).tolist() == [False, True, False]
+
+
+def test_runs_that_a_chunk_has_no_time_for_are_made_in_later_ones(table, monkeypatch):
+    monkeypatch.setattr(sweeping, "CHUNKS", 1)
+    monkeypatch.setattr(sweeping, "CHUNK_TIME", 0.0)
+    chunks, told = [], []
+    run = sweeping.run_list
+    monkeypatch.setattr(sweeping, "run_list", lambda plan, runs: chunks.append(len(runs)) or run(plan, runs))
+    with ThreadPoolExecutor(1) as executor:
+        made = sweep(SCENE, VARY, outputs=list(table.outputs), executor=executor, progress=lambda done, _total: told.append(done))
+    assert chunks == [6, 5, 4, 3, 2, 1] and told == [1, 2, 3, 4, 5, 6]
+    assert all(np.array_equal(made.outputs[name], column) for name, column in table.outputs.items())
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
