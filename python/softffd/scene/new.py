@@ -43,7 +43,7 @@ def toml_string(text: str) -> str:
 
 @dataclass(frozen=True)
 class MeshScene:
-    """text: the scene file (TOML). said: one line that reports what was read and what was assumed."""
+    """text: the scene file (TOML). said: lines that report what was read and what was assumed."""
 
     text: str
     said: str
@@ -85,6 +85,10 @@ def scene_of_mesh(
         "MEASURED": size, "SCALE": repr(metres), "METRES": named, "UP": axis,
     }  # fmt: skip
     keys |= _physics(placed(mesh, scale=metres, up=axis), DENSITY if density is None else density)
+    said += (
+        f"\n  mass {float(keys['TOTAL']):.6g} kg: {keys['WHY']}; lattice 4 x 4 x 4, "
+        f"stiffness {float(keys['STIFFNESS']):g} N/m, internal damping {keys['DAMPING']} s"
+    )
     return MeshScene(re.sub("[A-Z]{2,}", lambda word: keys.get(word[0], word[0]), MESH_TEMPLATE.read_text(encoding="utf-8")), said)
 
 
@@ -107,7 +111,9 @@ def _mass(mesh: Mesh, density: float) -> tuple[str, float, str]:
         masses = point_masses("volume", counts=(4, 4, 4), origin=low, size=high - low, mesh=mesh, density=density)
     except SoftffdError:
         half = density * float(np.prod(high - low)) / 2
-        return "surface", half, f"half of the mesh's box at {density:g} kg/m3: its surface is not closed"
+        edges = f"it is not closed: {mesh.open_edges} edges belong to holes or to faces turned inside out"
+        fault = "a body of it is inside out, or it encloses nothing" if mesh.closed else edges
+        return "surface", half, f"half of the mesh's box at {density:g} kg/m3, since {fault}"
     return "volume", float(masses.mass.sum()), f"the mesh at {density:g} kg/m3"
 
 
