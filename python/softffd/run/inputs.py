@@ -54,6 +54,7 @@ RATES: dict[str, tuple[str, Rate]] = {
 }  # by family of poses: the family of velocities that follows from it, and how their change is computed
 Source = Union[Callable[[float], Mapping[str, Any]], Mapping[str, Any], np.ndarray, "pd.DataFrame", str, Path]
 
+OVERSEEN = 0.1  # part of a column's range by which a value between communication points may be beyond those at them without a warning
 SLACK = 1e-9  # relative difference up to which a row's time equals that of a communication point: multiples of a step are rounded
 
 
@@ -83,7 +84,7 @@ class Inputs:
         self._is_file = isinstance(source, str | Path)
         self.is_function, self._steady = callable(source), isinstance(source, Mapping)
         self._held: set[str] = set()
-        self._at, self.names = _course(source, self.where, start_time, self._held, variables)
+        self._at, self.names, self._rows = _course(source, self.where, start_time, self._held, variables)
         self.tuned: dict[str, ScalarVariable] = {}  # tunable parameters that a table gives, by their names there; set by `driven`
         now = self._at(start_time, False)
         self.derived_names = list(derived_velocities(now, now, 1.0))  # velocities that follow from given poses
@@ -132,6 +133,29 @@ class Inputs:
             values = np.append(float(variable.start or 0.0), now[name])
             for row in np.flatnonzero(values[1:] != values[:-1]).tolist():
                 found.setdefault(row, {})[variable.name] = float(values[row + 1])
+        return found
+
+    def overseen(self, times: np.ndarray) -> list[str]:
+        """Returns a warning for each column of a table of which a run with these communication points (T,) [s] does not see a peak: within
+        a communication step, a row is beyond the values at both ends of the step by more than OVERSEEN of the column's range. What only
+        rises or only falls within a step is seen at its end."""
+        slack = SLACK * abs(self._rows)
+        behind = np.searchsorted(times, self._rows - slack, "left")
+        between = (behind == np.searchsorted(times, self._rows + slack, "right")) & (behind > 0) & (behind < len(times))
+        at, step = self._rows[between], np.tile(behind[between] - 1, 2)
+        if not len(at):
+            return []
+        begin, end, *sides = (self._at(*each) for each in ((times[:-1], False), (times[1:], True), (at, True), (at, False)))
+        found = []
+        for name in begin:
+            first, last, values = begin[name], end[name], np.concatenate([side[name] for side in sides])
+            beyond = np.maximum(values - np.maximum(first, last)[step], np.minimum(first, last)[step] - values)
+            worst = int(np.argmax(beyond))
+            if beyond[worst] > OVERSEEN * np.ptp(np.concatenate([first, last, values])):
+                found.append(
+                    f"{self.where}{name}: the run misses its value {values[worst]:g} at {np.tile(at, 2)[worst]:g} s, between communication "
+                    f"points with {first[step[worst]]:g} and {last[step[worst]]:g}: take a shorter communication step"
+                )
         return found
 
     def require_undriven(self, started: Iterable[str], driven: Container[str]) -> None:
@@ -203,13 +227,14 @@ Course = Callable[[Any, bool], Mapping[str, Any]]
 """Values by name at a time [s], for an interval that ends there (True) or begins there (False); of a table also at many times."""
 
 
-def _course(source: Source, where: str, start: float, held: set[str], variables: Container[str]) -> tuple[Course, list[str]]:
-    """Returns the course of a source, and its names in order. held: names whose values a table holds between its rows."""
+def _course(source: Source, where: str, start: float, held: set[str], variables: Container[str]) -> tuple[Course, list[str], np.ndarray]:
+    """Returns the course of a source, its names in order, and the times of a table's rows [s]. held: names whose values a table holds
+    between its rows."""
     if callable(source):
         return _of_function(source, where, start, variables)
     if isinstance(source, Mapping):
         numbers = _constants(source, where, variables)
-        return _of_function(lambda time: numbers, where, start)
+        return _of_function(lambda time: numbers, where, start, variables)
     if isinstance(source, str | Path):
         return _of_table(read_csv(Path(source)), where, held)
     if is_data_frame(source) or isinstance(source, np.ndarray):
@@ -246,8 +271,8 @@ def _constants(given: Mapping[str, Any], where: str, variables: Container[str]) 
 
 
 def _of_function(
-    function: Callable[[float], Mapping[str, Any]], where: str, start: float, variables: Container[str] = ()
-) -> tuple[Course, list[str]]:
+    function: Callable[[float], Mapping[str, Any]], where: str, start: float, variables: Container[str]
+) -> tuple[Course, list[str], np.ndarray]:
     def asked(time: float) -> dict[str, float]:
         values = function(time)
         if not (isinstance(values, Mapping) and all(isinstance(name, str) for name in values)):
@@ -265,7 +290,7 @@ def _of_function(
             raise FmuError(f"{where}at {time:g} s: wanted the same names as at {start:g} s, got {got}")
         return dict(zip(names, map(numbers.__getitem__, given), strict=True))
 
-    return course, names
+    return course, names, np.empty(0)
 
 
 def _orientations(names: list[str]) -> list[list[int]]:
@@ -284,7 +309,7 @@ def _structured(given: list[str], where: str) -> list[str]:
     return list(by_name)
 
 
-def _of_table(table: np.ndarray, where: str, held: set[str]) -> tuple[Course, list[str]]:
+def _of_table(table: np.ndarray, where: str, held: set[str]) -> tuple[Course, list[str], np.ndarray]:
     times, given = table["time"].astype(float), list((table.dtype.names or ())[1:])
     names = _structured(given, where)
     values = np.array([table[own].astype(float) for own in given])
@@ -304,4 +329,4 @@ def _of_table(table: np.ndarray, where: str, held: set[str]) -> tuple[Course, li
             for name, column in columns.items()
         }
 
-    return course, names
+    return course, names, times

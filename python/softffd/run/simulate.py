@@ -90,7 +90,8 @@ def simulate(
         summary = {
             "title": component.interface.title, "simulated_time_s": simulated, "run_time_s": elapsed, "cpu_time_s": elapsed_cpu,
             "real_time_factor": simulated / elapsed if elapsed > 0 else math.inf, "communication_step_s": step,
-            "communication_steps": run.done, "methods": shares(run.changes, times), "warnings": simulation.warnings,
+            "communication_steps": run.done, "methods": shares(run.changes, times),
+            "warnings": [*source.overseen(times), *simulation.warnings],
         }  # fmt: skip
         if not whole:
             raise Interrupted(run.result(summary | {"interrupted_before_s": stop_time}, starts, scene))

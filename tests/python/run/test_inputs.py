@@ -78,6 +78,18 @@ def test_a_cubic_between_steep_neighbours_only_rises():
     assert rate[0] > 1 and rate.min() > -1e-12
 
 
+@pytest.mark.parametrize(("step", "ends"), [(2.0, "1.05 and 1.02"), (1.9, "1.05 and 0.88"), (1.2, ""), (1.0, ""), (0.01, "")])
+def test_a_peak_between_communication_points_is_a_warning_and_a_mere_fall_or_jump_is_none(step, ends):
+    course = table(time=[0, 0.2, 1.2, 1.7, 2.2, 3.3, 3.3, 4], **{"plane.p.point.z": [1.05, 1, 0.6, 0.6, 1.3, 1.3, 1.4, 1.4]})
+    warning = f"inputs: plane.p.point.z: the run misses its value 0.6 at 1.2 s, between communication points with {ends}: "
+    found = Inputs(course).overseen(np.append(np.arange(0, 4, step), 4.0))
+    assert found == ([warning + "take a shorter communication step"] if ends else [])
+
+
+def test_a_run_says_what_it_misses_of_its_inputs():
+    assert "the run misses its value 0.6 at 1.2 s" in simulate("press", step=2.0).summary["warnings"][0]
+
+
 def test_a_function_must_give_the_same_names_at_every_time():
     for late in ({}, {"plane.p.point.z": 1.0, "load.a.x": 0.0}, {"load.a.x": 0.0}):
         inputs = Inputs(lambda t, late=late: {"plane.p.point.z": 1.0} if t < 0.1 else late)
