@@ -71,7 +71,8 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
 
 def parser() -> Parser:
     """Returns the parser of all commands with their options. Every help text is a sentence, with the unit of the value that it asks for."""
-    whole = Parser(prog="softffd", description=softffd.__doc__, epilog="softffd COMMAND --help describes the options of a command.")
+    more = "softffd COMMAND --help describes the options of a command. In the sources, softffd stability runs stiff and extreme scenes."
+    whole = Parser(prog="softffd", description=softffd.__doc__, epilog=more)
     whole.add_argument("--version", action="version", version=f"softffd {softffd.__version__}", help="Show the version and exit.")
     commands = whole.add_subparsers(required=True, metavar="COMMAND", dest="command", parser_class=Parser)
 
