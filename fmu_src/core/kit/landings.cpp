@@ -123,7 +123,8 @@ void set_beside(const StepContext& context, const State& begin, State& beside, d
   Neighbour& neighbour = context.run.control.neighbour;
   const RigidMotion rigid = rigid_motion(body.mass, begin.x, begin.v);
   if (context.drive.pins.empty()) fly_on(context.model, begin, rigid, nearest_obstacle(context, begin).obstacle.normal, neighbour);
-  const double least = flown > 0 ? flown : use::least_error * context.request.tolerance;
+  const double vibrations = flown > 0 ? flown : use::least_error * context.request.tolerance;
+  const double least = std::max(vibrations, context.run.physical.error.largest());
   if (neighbour.x.abs().maxCoeff() < least) shift_phase(body, begin, rigid, least, neighbour.x);
   beside.time = begin.time;
   beside.x = begin.x + neighbour.x;

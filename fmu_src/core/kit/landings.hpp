@@ -8,7 +8,7 @@
 /// A landing that is only late or early is not an error that grows: the same motion follows, only later. An error grows if the vibrations
 /// or the attitude differ when the body lands, and one contact may cancel what another adds. Runs show this; a product of factors does not.
 /// The phase of the vibrations at a landing is off by what two runs of the previous contact left, or, if that is unknown, by a fraction of
-/// the tolerance.
+/// the tolerance; but by no less than what contact without a neighbour has added up to, as while a body rocks on its edges.
 #pragma once
 #include "kit/integrators.hpp"
 

@@ -50,6 +50,21 @@ def test_a_stiff_box_that_bounces_states_what_its_vibrations_are_off_by_and_no_m
     assert stated(run)[-1] < 10 * 2.6e-3
 
 
+@pytest.mark.parametrize("step", [0.002, 0.005])
+def test_a_tower_that_has_rocked_on_its_edges_lands_with_the_error_that_this_left(step):
+    """It errs by a tolerance before it leaves the floor after 0.14 s. Its landings then make that twenty times as large."""
+    floor = {"name": "floor", "friction": 0.72}
+    body = box(
+        points=[5, 5, 5], lattice={"size": [0.1, 0.13, 0.2]}, mass={"total": 0.2}, material={"stiffness": 4e4, "damping": 0.0},
+        gravity=[0.5, 0.0, -9.81], plane=[floor], initial={"velocity": [0.0, 0.5, 0.0]}, tolerance=1e-4, communication_step=step,
+        stop_time=0.2,
+    )  # fmt: skip
+    run, exact = simulate(body), simulate(body, start_values={"solver.method": "leapfrog", "solver.step": 1e-5})
+    error = np.linalg.norm(points(run)[-1] - points(exact)[-1], axis=1).max() / (1e-4 * 0.2)
+    assert error > 10
+    assert error / 10 < stated(run)[-1] / (1e-4 * 0.2) < 10 * error
+
+
 @pytest.mark.parametrize(("speed", "spin", "drop"), [(1e3, 0.0, 0.0), (20.0, 0.0, 0.05), (20.0, 0.05, 0.05), (200.0, 0.0, 0.05)])
 def test_a_difference_along_a_plane_lasts_no_longer_than_the_run(speed, spin, drop):
     """Friction would stop the damped box after 5 to 250 s. The box comes down flat, and then slides until 0.3 s."""
