@@ -156,7 +156,18 @@ Drift sliding_apart(const StepContext& context, const Vec3& velocity) {
   return {.place = speed * std::min(slip / grip, left_of_run(context))};
 }
 
+/// True if vertices may skip along a solid without another landing (`in_flight`).
+bool skips(const StepContext& context) {
+  const auto solid = [](const Plane& each) { return each.solid(); };
+  return context.model.body.dashpots() && !context.drive.held() && std::ranges::any_of(context.drive.planes, solid);
+}
+
 }  // namespace
+
+bool Landings::landing(const StepContext& context, double time) {
+  const Neighbour& neighbour = context.run.control.neighbour;
+  return neighbour.follows && time - neighbour.impact <= slowest_period(context);
+}
 
 bool Landings::lands(const StepContext& context, double time, bool impact) {
   const Neighbour& neighbour = context.run.control.neighbour;
@@ -168,18 +179,23 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
   PhysicalState& physical = context.run.physical;
   Neighbour& neighbour = context.run.control.neighbour;
   if (neighbour.follows && neighbour.off.time != begin.time) neighbour.forget();  // other steps came between
-  if (!neighbour.follows) {
-    if (!impact) return;
+  const bool goes_on = neighbour.follows && (!skips(context) || landing(context, begin.time));
+  if (impact && !goes_on) {
     std::vector<FreeState> end = begin.free;  // free obstacles where they were at the start
     end.swap(physical.motion.free);
-    if (anyway || in_flight(context, begin.time, begin.x)) set_beside(context, begin, physical_.motion, flown);
+    if (anyway || in_flight(context, begin.time, begin.x)) {
+      if (neighbour.follows)
+        neighbour.began = begin.time;
+      else
+        set_beside(context, begin, physical_.motion, flown);
+    }
     end.swap(physical.motion.free);
-    if (!neighbour.follows) return;
   }
+  if (!neighbour.follows) return;
   const Span own = method == Method::leapfrog ? out_of_phase(context, span, lands(context, begin.time, impact)) : span;
   const double work = use::most_of_contact * double(own.steps) * step_work(context.model.body, context.drive, context.run, method, own.h);
   if (!integrators.budget().covers(work)) return neighbour.forget();
-  if (impact) neighbour.impact = physical.motion.time;
+  if (impact && (goes_on || neighbour.began == begin.time)) neighbour.impact = physical.motion.time;
   Snapshot snapshot(physical, physical_);
   physical.motion.x = neighbour.x;
   physical.motion.v = neighbour.v;
@@ -203,7 +219,8 @@ void Landings::follow(Integrators& integrators, const StepContext& context, cons
     neighbour.off.place = worse(neighbour.off.place, free_apart(context, each, physical.motion.free[k], neighbour.free[k]).place);
   }
   const bool flies = alone && in_flight(context, physical.motion.time, x);
-  if ((flies && neighbour.landed) || physical.motion.time - neighbour.impact > slowest_period(context)) part(context, flies);
+  const bool over = !landing(context, physical.motion.time);
+  if (flies ? neighbour.landed || over : over && !skips(context)) part(context, flies);
 }
 
 void Landings::part(const StepContext& context, bool flies) {

@@ -1,6 +1,8 @@
 /// Finds how landings amplify errors, by a neighbour of the motion: a second body that begins a landing as far off as the run itself may
 /// be. The neighbour is integrated beside the run, with shorter steps at impacts and otherwise with the coarser steps of a sub-interval
-/// that is run twice. It ends when both have landed and are in flight, or have stayed on an obstacle for the slowest vibration's period.
+/// that is run twice. It ends when both have landed and are in flight. It ends as well when both have stayed on
+/// an obstacle for the slowest vibration's period, unless solids meet a body with internal damping that no pin holds: its vertices skip
+/// along a solid without another landing, and a body that slides or rocks there may make an error a thousand times larger.
 ///
 ///      landing              contact                    flight                        next landing
 ///      places off by d  ->  steps of both bodies   ->  what they differ by, kept  -> d: that, moved on with its rigid part
@@ -21,6 +23,8 @@ class Landings {
   /// vibrations may have when they land [m]; 0: unknown. anyway: start a neighbour even if something touched before.
   void follow(Integrators& integrators, const StepContext& context, const State& begin, Method method, const Span& span, bool impact,
               double flown = 0, bool anyway = false);
+  /// True if the neighbour stands for all errors at this time: for the slowest vibration's period after an impact.
+  static bool landing(const StepContext& context, double time);
   /// True if steps from this time on belong to a landing, in which the neighbour takes short steps; otherwise the body rattles.
   static bool lands(const StepContext& context, double time, bool impact);
   /// Ends the integration of the neighbour beside the run and keeps their difference.

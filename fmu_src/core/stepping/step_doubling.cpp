@@ -155,6 +155,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
   const Count& contacts = physical.exchange.contacts_resolved;
   const Count contacts_before = contacts;
   const double begin = physical.motion.time, left = stretch.end - begin;
+  const bool follows = Landings::landing(context, begin);
   const auto run = [&](double h, Count steps) {
     const Outcome outcome = integrators.take(context, Method::leapfrog, {begin, 0, h, steps});
     control.work += outcome.work;
@@ -166,9 +167,8 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const double part = left / double(total), next = steps == total ? stretch.end : begin + double(steps) * part;
     physical.clock = {begin, part, 0};
     const auto follow = [&](bool impact, const FinalError& leaves, bool anyway) {
-      const bool followed = control.neighbour.follows;
       landings_.follow(integrators, context, start_.motion, Method::leapfrog, {begin, 0, part, steps}, impact, 0, anyway);
-      if (!followed && !control.neighbour.follows) physical.error.add(leaves);
+      if (!follows && !Landings::landing(context, physical.motion.time)) physical.error.add(leaves);
     };
     if (at_limit && tries == 0 && contact.free > 0) {
       const Outcome once = run(part, steps);
@@ -193,7 +193,7 @@ StepStatus StepDoubling::run_stretch(Integrators& integrators, const StepContext
     const Outcome fine = run(0.5 * part, 2 * steps);
     if (fine.status != StepStatus::ok) return fine.status;
     const bool impact = coarse.impacts + fine.impacts > 0;
-    const bool strikes = impact && body.samples, follows = control.neighbour.follows;
+    const bool strikes = impact && body.samples;
     const bool lands = strikes && !follows && in_flight(context, begin, start_.motion.x);
     const bool rattles = (strikes && !lands) || (body.samples && follows && body.dashpots());
     const double allowed = forecast_factor(body, rattles) * context.request.tolerance * power(context.request.step_factor, 2);
