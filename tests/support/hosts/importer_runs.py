@@ -97,7 +97,7 @@ def start_values(fmu: Path) -> dict[str, float]:
 def ours(fmu: Path, names: list[str], inputs=None) -> np.ndarray:
     """(STEPS, len(names)): outputs after each step, as softffd.simulate gives them."""
     result = simulate(fmu, stop_time=STEPS * STEP, step=STEP, start_values=start_values(fmu), inputs=inputs)
-    assert result.summary["warnings"] == []
+    assert not any(message.status for message in result.log)  # of the component; the run may say that its steps miss peaks of the inputs
     return np.array([column(result, name)[1:] for name in names]).reshape(len(names), STEPS).T
 
 
