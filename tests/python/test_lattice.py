@@ -1,9 +1,9 @@
-"""The grid at rest and the flat order."""
+"""The order of control points: flat, and by their indices."""
 
 import numpy as np
 import pytest
 
-from softffd.lattice import LatticeBox, all_points, index_grid, point_at, rest_grid, to_flat, to_grid
+from softffd.lattice import all_points, index_grid, point_at, to_flat, to_grid
 
 COUNTS = (3, 2, 4)
 
@@ -31,10 +31,3 @@ def test_flat_and_grid_hold_the_same_rows(before):
     for i, j, k in all_points(COUNTS):
         np.testing.assert_array_equal(grid[..., i, j, k, :], flat[..., flat_index(i, j, k), :])
     np.testing.assert_array_equal(to_flat(grid), flat)
-
-
-def test_at_rest_the_points_divide_the_box_evenly():
-    box = LatticeBox(COUNTS, (1.0, 2.0, 3.0), (4.0, 5.0, 6.0), "bezier")
-    for i, j, k in [(0, 0, 0), (2, 1, 3), (1, 0, 2)]:
-        np.testing.assert_allclose(box.rest()[i, j, k], [1 + 4 * i / 2, 2 + 5 * j / 1, 3 + 6 * k / 3], rtol=1e-15)
-    np.testing.assert_array_equal(box.rest(), rest_grid(COUNTS, box.origin, box.size))

@@ -5,7 +5,6 @@ import math
 import pytest
 
 from scenes import problems
-from softffd import SceneError
 from softffd.obstacles import SolidShape
 from softffd.scene.scene import scene_from
 
@@ -79,11 +78,6 @@ def test_what_makes_no_free_body_is_refused_by_name(document, problem):
 @pytest.mark.parametrize("keys", [INERTIA, {"mass": 2.0, **ALONG}])
 def test_a_free_pin_has_a_mass_and_turns_or_has_a_guide(method, keys):
     assert scene_from(pin(**keys) | {"solver": {"method": method, "step": 1e-4}}).pin[0].mass == 2.0
-
-
-def test_free_obstacles_need_a_surface_as_all_solids_do():
-    with pytest.raises(SceneError, match=r"contact.of: \"lattice\" supports only planes, but the scene has a \[\[sphere\]\]"):
-        scene_from(sphere(**FREE))
 
 
 # of 1 kg: two fifths of r2; l2 / 12 + r2 / 4 and r2 / 2; the others' squares / 12

@@ -29,25 +29,23 @@ def scene_of(file, **options):
     return scene_from(tomllib.loads(scene_of_mesh(file, folder=file.parent, **options).text), path=file.with_suffix(".toml"))
 
 
-SAID = {
-    (
-        "a.obj",
-        (0.5, 2, 19),
-        (),
-    ): "8 vertices, 0.5 x 2 x 19, no unit in the file: taken as metres, --unit mm otherwise; y up as usual for OBJ, --up z otherwise",
-    ("a.stl", (155, 154, 120), ()): "8 vertices, 155 x 154 x 120, no unit in the file: taken as millimetres, --unit m otherwise; "
-    "z up as usual for STL, --up y otherwise",
-    ("a.ply", (1, 2, 3), (("unit", "in"), ("up", "x"))): "8 vertices, 1 x 2 x 3, in inches; x up",
-    ("a.glb", (100, 2, 3), ()): "8 vertices, 100 x 2 x 3, in metres; y up",
-}
+# fmt: off
+SAID = [
+    ("a.obj", (0.5, 2, 19), {}, "0.5 x 2 x 19, no unit in the file: taken as metres, --unit mm otherwise; "
+                                "y up as usual for OBJ, --up z otherwise"),
+    ("a.stl", (155, 154, 120), {}, "155 x 154 x 120, no unit in the file: taken as millimetres, --unit m otherwise; "
+                                   "z up as usual for STL, --up y otherwise"),
+    ("a.ply", (1, 2, 3), {"unit": "in", "up": "x"}, "1 x 2 x 3, in inches; x up"),
+    ("a.glb", (100, 2, 3), {}, "100 x 2 x 3, in metres; y up"),
+]
+# fmt: on
 
 
-@pytest.mark.parametrize("case", SAID, ids=lambda case: case[0])
-def test_what_was_read_is_said_in_a_line(case, tmp_path):
-    name, sides, options = case
+@pytest.mark.parametrize(("name", "sides", "options", "words"), SAID)
+def test_what_was_read_is_said_in_a_line(name, sides, options, words, tmp_path):
     file = box_file(tmp_path, name, sides)
-    made = scene_of_mesh(file, folder=tmp_path, **dict(options))
-    assert made.said.splitlines()[0] == f"{file}: {SAID[case]}; fills 100 % of its box"
+    made = scene_of_mesh(file, folder=tmp_path, **options)
+    assert made.said.splitlines()[0] == f"{file}: 8 vertices, {words}; fills 100 % of its box"
 
 
 @pytest.mark.parametrize(

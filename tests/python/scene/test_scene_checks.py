@@ -9,7 +9,6 @@ from softffd.scene.scene import scene_from
 
 FLAT = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 LOW = TETRAHEDRON.replace("v 0 0 4", "v 0 0 0.01")
-OUTSIDE = [[4, 0, 0]]
 TWO = {
     "plane": [{}, {}],
     "pin": [{"points": [[0, 0, 0]]}, {"points": [[1, 0, 0]]}],
@@ -178,21 +177,18 @@ def test_a_sphere_that_looks_alike_from_all_sides_has_no_normal_to_move():
 
 
 def test_a_selection_outside_the_lattice_is_refused_wherever_it_stands():
-    lines = problems(
-        {
-            **{section: [{"name": "a", "points": OUTSIDE}] for section in ("pin", "load")},
-            "region": [{"points": OUTSIDE}],
-            "inputs": {"forces": OUTSIDE},
-            "outputs": {"positions": OUTSIDE, "velocities": {"k": [0, 7]}},
-        }
-    )
+    outside = {"points": [[4, 0, 0]]}
+    parts = {section: [{"name": "a", **outside}] for section in ("pin", "load")} | {"region": [outside]}
+    selections = {"inputs": {"forces": [[4, 0, 0]]}, "outputs": {"positions": [[4, 0, 0]], "velocities": {"k": [0, 7]}}}
+    lines = problems(parts | selections)
     wanted = "wanted control points of the 4 x 4 x 4 lattice (i 0..3, j 0..3, k 0..3), got "
     assert len(lines) == 6 and all(wanted in line for line in lines)
     assert lines[-1].endswith("got k = [0, 7]")
 
 
-def test_all_problems_come_at_once_also_beside_faulty_values():
+def test_all_problems_come_at_once_in_the_order_of_the_file_also_beside_faulty_values():
     document = {
+        "solver": {"step": -1},
         "titel": "x",
         "lattice": {"points": [4, 3, 3], "size": [1, -1, 1], "basis": "splines"},
         "material": {"damping": -1, "stifness": 3},
@@ -200,9 +196,9 @@ def test_all_problems_come_at_once_also_beside_faulty_values():
         "pin": [{"name": "b", "points": "z-"}, {"points": [[0, 0, 0], [0, 3, 0]]}],
         "load": [{"name": "l", "points": "none"}],
         "probe": [{"name": "p", "at": [9, 9, 9]}],
-        "solver": {"step": -1},
+        "mass": {"total": -1},
     }
     assert " ".join(line.split(": ")[0] for line in problems(document)) == (
-        "titel lattice.size[1] lattice.basis material.damping material.stifness plane[0].normal plane[1].frction plane[1].name "
-        "pin[1].name pin[1].points load[0].points solver.step"
+        "solver.step titel lattice.size[1] lattice.basis material.damping material.stifness plane[0].normal plane[1].frction "
+        "plane[1].name pin[1].name pin[1].points load[0].points mass.total"
     )

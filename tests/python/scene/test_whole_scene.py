@@ -8,7 +8,6 @@ import pytest
 
 from scenes import TETRAHEDRON
 from softffd import Scene, SceneError, load_scene, package_fmu
-from softffd.scene.document import shipped_scenes
 from softffd.scene.rigid import Plane
 from softffd.scene.scene import scene_from
 from softffd.scene.sections import Material
@@ -49,17 +48,15 @@ def test_a_scene_of_nothing_is_the_unit_box_and_runs(tmp_path):
 def test_every_way_refuses_a_value_out_of_range_with_the_same_words(made):
     with pytest.raises(SceneError) as caught:
         made(DAMPED)
-    assert caught.value.problems == [REFUSAL] and str(caught.value).startswith("scene: 1 problem")
+    assert caught.value.problems == [REFUSAL] and str(caught.value) == f"scene: 1 problem\n  {REFUSAL}"
 
 
 def test_every_way_reports_all_problems_at_once(made):
+    parts = {"plane": [{"name": "a"}, {"name": "a"}], "pin": [{"name": "b", "points": [[9, 0, 0]]}], "solver": {"metod": "auto"}}
     with pytest.raises(SceneError) as caught:
-        made(
-            {**DAMPED, "plane": [{"name": "a"}, {"name": "a"}], "pin": [{"name": "b", "points": [[9, 0, 0]]}], "solver": {"metod": "auto"}}
-        )
-    assert [problem.partition(":")[0] for problem in caught.value.problems] == [
-        *("material.damping", "plane[1].name", "pin[0].points", "solver.metod")
-    ]
+        made({**DAMPED, **parts})
+    places = [problem.partition(":")[0] for problem in caught.value.problems]
+    assert places == ["material.damping", "plane[1].name", "pin[0].points", "solver.metod"]
 
 
 def test_every_way_fills_in_the_box_and_the_mass(made, tmp_path):
@@ -69,14 +66,11 @@ def test_every_way_fills_in_the_box_and_the_mass(made, tmp_path):
 
 
 def test_sections_are_as_good_as_tables_and_as_closely_looked_at():
-    plane = Plane(name="ground", point=(0, 0, -1))
-    assert Scene(plane=[plane], material=Material(stiffness=2e3)) == Scene(
-        plane=[{"name": "ground", "point": [0, 0, -1]}], material={"stiffness": 2e3}
-    )
-    with pytest.raises(SceneError, match=r"material\.damping"):
-        Scene(material=Material().model_copy(update={"damping": -5}))
-    with pytest.raises(SceneError, match='dampin: unknown key, did you mean "damping"'):
-        Scene(material=Material().model_copy(update={"dampin": 5}))
+    of_sections = Scene(plane=[Plane(name="ground", point=(0, 0, -1))], material=Material(stiffness=2e3))
+    assert of_sections == Scene(plane=[{"name": "ground", "point": [0, 0, -1]}], material={"stiffness": 2e3})
+    for wrong, words in (({"damping": -5}, r"material\.damping"), ({"dampin": 5}, 'dampin: unknown key, did you mean "damping"')):
+        with pytest.raises(SceneError, match=words):
+            Scene(material=Material().model_copy(update=wrong))
 
 
 def test_what_is_no_table_is_no_scene():
@@ -141,11 +135,6 @@ def test_copies_are_equal_and_changes_are_not(embedded):
     assert embedded.replace({"title": "x"}) != embedded != "embedded"
     other = scene_from({}, path="other.toml")
     assert other != Scene() and other.model_dump() == Scene().model_dump()
-
-
-@pytest.mark.parametrize("name", shipped_scenes())
-def test_replacing_nothing_changes_no_shipped_scene(name):
-    assert load_scene(name).replace({}) == load_scene(name)
 
 
 def test_scenes_with_other_meshes_are_not_equal(embedded):
