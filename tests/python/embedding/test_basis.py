@@ -43,10 +43,6 @@ class TestEveryBasis:
         np.testing.assert_allclose(weights(outside, n, basis) @ grid, outside, atol=n * 4e-16, rtol=0)
 
 
-def test_four_points_are_one_patch_and_its_weights_those_of_the_bezier_volume():
-    np.testing.assert_array_equal(weights(T, 4, "patches"), weights(T, 4, "bezier"))
-
-
 def test_a_patch_has_the_bezier_weights_of_its_own_points():
     inside = T[(T > 1 / 3) & (T < 2 / 3)]
     expected = np.zeros((len(inside), 10))
@@ -59,9 +55,9 @@ def test_at_a_joint_both_patches_give_the_same(side):
     np.testing.assert_allclose(weights([0.5 + side], 7, "patches")[0], np.eye(7)[3], rtol=0, atol=1e-14)
 
 
-def test_cubic_weights_are_those_of_equation_2():
-    t = 0.3
-    np.testing.assert_allclose(weights([t], 4)[0], [0.343, 0.441, 0.189, 0.027], rtol=1e-15)
+@pytest.mark.parametrize("t, wanted", [(0.3, [0.343, 0.441, 0.189, 0.027]), (1.5, [0.25, -1.5, 2.25])], ids=["inside", "outside"])
+def test_weights_are_those_of_equation_2_and_extrapolate_its_polynomial(t, wanted):
+    np.testing.assert_allclose(weights([t], len(wanted))[0], wanted, rtol=1e-15)
 
 
 @pytest.mark.parametrize("t", [2.0**-40, 0.25, 0.7001, 1.0 - 2.0**-20])
@@ -72,13 +68,9 @@ def test_weights_of_degree_31_are_exact_to_rounding(t):
     np.testing.assert_allclose(weights([t], 32)[0], exact, rtol=64 * 2.2e-16, atol=1e-300)
 
 
-def test_weights_extrapolate_the_polynomial():
-    np.testing.assert_allclose(weights([1.5], 3)[0], [0.25, -1.5, 2.25], rtol=1e-15)
-
-
-@pytest.mark.parametrize("n", [2, 3, 4])
-def test_up_to_four_points_both_bases_are_one(n):
-    np.testing.assert_array_equal(weights(T, n, "bspline"), weights(T, n, "bezier"))
+@pytest.mark.parametrize("n, basis", [(2, "bspline"), (3, "bspline"), (4, "bspline"), (4, "patches")])
+def test_up_to_four_points_all_bases_are_one(n, basis):
+    np.testing.assert_array_equal(weights(T, n, basis), weights(T, n, "bezier"))
 
 
 @pytest.mark.parametrize("n", [5, 6, 8, 32])

@@ -2,6 +2,7 @@
 
 import tracemalloc
 from importlib import import_module
+from itertools import product
 
 import numpy as np
 import pytest
@@ -32,28 +33,18 @@ def moved_grid(counts, seed=2):
     return grid + np.random.default_rng(seed).normal(size=grid.shape)
 
 
-def on_box(u, v, w):
-    return ORIGIN + SIZE * np.array([[u, v, w]])
+@pytest.mark.parametrize(("counts", "basis"), VOLUMES)
+def test_affine_maps_are_reproduced_and_the_rest_grid_leaves_every_point_where_it_is(counts, basis):
+    points, random = cloud(), np.random.default_rng(3).normal(size=(3, 3))
+    for matrix, offset, rounding in ((np.eye(3), np.zeros(3), 1e-14), (random, np.array([5.0, -1.0, 2.0]), 1e-13)):
+        moved = deform(points, rest_grid(counts) @ matrix.T + offset, origin=ORIGIN, size=SIZE, basis=basis)
+        np.testing.assert_allclose(moved, points @ matrix.T + offset, atol=rounding)
 
 
 @pytest.mark.parametrize(("counts", "basis"), VOLUMES)
-def test_the_rest_grid_leaves_every_point_where_it_is(counts, basis):
-    points = cloud()
-    moved = deform(points, rest_grid(counts), origin=ORIGIN, size=SIZE, basis=basis)
-    np.testing.assert_allclose(moved, points, atol=1e-14)
-
-
-@pytest.mark.parametrize(("counts", "basis"), VOLUMES)
-def test_affine_maps_are_reproduced(counts, basis):
-    matrix, offset = np.random.default_rng(3).normal(size=(3, 3)), np.array([5.0, -1.0, 2.0])
-    points = cloud()
-    moved = deform(points, rest_grid(counts) @ matrix.T + offset, origin=ORIGIN, size=SIZE, basis=basis)
-    np.testing.assert_allclose(moved, points @ matrix.T + offset, atol=1e-13)
-
-
-@pytest.mark.parametrize(("counts", "basis"), VOLUMES)
-def test_it_is_the_triple_sum_of_equation_1(counts, basis):
-    points, positions = cloud(20), moved_grid(counts)
+def test_it_is_the_triple_sum_of_equation_1_inside_and_on_corners_edges_and_faces_of_the_box(counts, basis):
+    ends = np.array([*product((0.0, 0.4, 1.0), repeat=3)])
+    points, positions = np.vstack([cloud(20), ORIGIN + SIZE * ends]), moved_grid(counts)
     u, v, w = (weights(t, n, basis) for t, n in zip(((points - ORIGIN) / SIZE).T, counts, strict=True))
     expected = np.einsum("mi,mj,mk,ijkx->mx", u, v, w, positions)
     np.testing.assert_allclose(deform(points, positions, origin=ORIGIN, size=SIZE, basis=basis), expected, atol=1e-13)
@@ -84,52 +75,13 @@ def test_patches_follow_a_motion_that_is_quadratic_in_each():
     np.testing.assert_allclose(moved, wanted, rtol=0, atol=1e-14)
 
 
-def test_patches_want_whole_ones():
-    with pytest.raises(ValueError, match=r'lattice.points: wanted 4, 7, 10, .. or 31 along each axis of "patches", got \(4, 5, 4\)'):
-        deform(cloud(), rest_grid((4, 5, 4)), origin=ORIGIN, size=SIZE, basis="patches")
-
-
-@pytest.mark.parametrize("corner", [(0, 0, 0), (1, 0, 1), (1, 1, 1)])
-def test_a_corner_of_the_box_follows_its_control_point(corner):
-    positions = moved_grid((4, 3, 5))
-    moved = deform(on_box(*corner), positions, origin=ORIGIN, size=SIZE)[0]
-    np.testing.assert_allclose(moved, positions[tuple(-c for c in corner)], rtol=0, atol=1e-14)
-
-
-def test_an_edge_of_the_box_follows_the_control_points_on_it():
-    positions = moved_grid((4, 4, 4))
-    moved = deform(on_box(1, 0, 0.4), positions, origin=ORIGIN, size=SIZE)[0]
-    np.testing.assert_allclose(moved, weights([0.4], 4)[0] @ positions[-1, 0], atol=1e-14)
-
-
-@pytest.mark.parametrize("axis", [0, 1, 2])
-@pytest.mark.parametrize("side", [0, 1])
-def test_a_face_of_the_box_follows_the_control_points_on_it(axis, side):
-    place = [0.3, 0.8, 0.55]
-    place[axis] = side
-    positions = moved_grid((4, 4, 4))
-    others = positions.copy()
-    np.moveaxis(others, axis, 0)[1 - side : 4 - side] += 100.0
-    before = deform(on_box(*place), positions, origin=ORIGIN, size=SIZE)
-    after = deform(on_box(*place), others, origin=ORIGIN, size=SIZE)
-    np.testing.assert_allclose(after, before, atol=1e-12)
-
-
-def test_many_instants_are_deformed_at_once():
-    points, positions = cloud(), np.stack([moved_grid((4, 4, 4), seed) for seed in range(5)])
-    together = deform(points, positions, origin=ORIGIN, size=SIZE)
-    assert together.shape == (5, 200, 3)
-    for moved, grid in zip(together, positions, strict=True):
-        np.testing.assert_allclose(moved, deform(points, grid, origin=ORIGIN, size=SIZE), atol=1e-13)
-
-
 @pytest.mark.parametrize(("counts", "basis"), VOLUMES)
 def test_a_vertex_has_the_same_bits_whichever_others_and_instants_are_deformed_with_it(counts, basis, monkeypatch):
     points, positions = cloud(), np.stack([moved_grid(counts, seed) for seed in range(3)])
     box = {"origin": ORIGIN, "size": SIZE, "basis": basis}
     whole = deform(points, positions, **box)
-    alone = [deform(points[p : p + 1], positions[1], **box)[0] for p in range(len(points))]
-    np.testing.assert_array_equal(whole[1], alone)
+    np.testing.assert_array_equal(whole, [deform(points, each, **box) for each in positions])
+    np.testing.assert_array_equal(whole[1], [deform(points[p : p + 1], positions[1], **box)[0] for p in range(len(points))])
     monkeypatch.setattr(import_module("softffd.embedding.deform"), "_BLOCK", 1)  # the package's attribute of this name is the function
     np.testing.assert_array_equal(deform(points, positions, **box), whole)
 
@@ -190,6 +142,11 @@ def test_a_box_rounded_to_six_digits_still_holds_its_mesh():
     points = np.vstack([cloud(), (ORIGIN + SIZE)[None]])
     moved = deform(points, rest_grid((4, 4, 4)), origin=ORIGIN, size=SIZE * (1 - 5e-7))
     np.testing.assert_allclose(moved, points, atol=2e-6)
+
+
+def test_patches_want_whole_ones():
+    with pytest.raises(ValueError, match=r'lattice.points: wanted 4, 7, 10, .. or 31 along each axis of "patches", got \(4, 5, 4\)'):
+        deform(cloud(), rest_grid((4, 5, 4)), origin=ORIGIN, size=SIZE, basis="patches")
 
 
 def test_points_that_are_not_numbers_are_refused():

@@ -8,7 +8,7 @@ from scenes import box
 from softffd import load_scene
 from softffd.embedding.inertia import covariance
 from softffd.embedding.mass import point_masses
-from softffd.errors import SceneError, SoftffdError
+from softffd.errors import SoftffdError
 from softffd.fmu.notes import inertia_note
 from softffd.fmu.package import scene_masses
 from softffd.lattice import rest_grid, to_flat
@@ -117,11 +117,3 @@ def test_what_is_not_possible_is_refused_with_what_is():
     assert point_masses("volume", uniform_share=most, **what).mass.min() >= most / 64 * (1 - 1e-12) > 0
     with pytest.raises(SoftffdError, match="leaves control points without mass"):
         scene_masses(box(mass={"inertia": "matched", "uniform_share": 0.0}))
-
-
-def test_scenes_that_cannot_be_matched_are_refused():
-    flat = {"points": [2, 4, 4]}
-    with pytest.raises(SceneError, match=r'mass.inertia: "matched" wants 3 control points or more along each axis, got \[2, 4, 4\]'):
-        box(lattice=flat, mass={"inertia": "matched"})
-    with pytest.raises(SceneError, match=r'region\[0\].mass: wanted none beside mass.inertia = "matched"'):
-        box(mass={"inertia": "matched"}, region=[{"points": "z-", "mass": 0.1}])

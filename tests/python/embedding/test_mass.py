@@ -37,19 +37,11 @@ def box(size=(2.0, 1.0, 0.5)):
     return Mesh(cube.vertices, cube.faces, name="box")
 
 
-def masses(distribution, mesh, *, counts=(4, 4, 4), margin=0.0, total=1.0, uniform_share=0.0, **keys):
+def masses(distribution, mesh, *, counts=(4, 4, 4), margin=0.0, **keys):
     low, high = mesh.bounds
     grow = margin * (high - low)
-    return point_masses(
-        distribution,
-        counts=counts,
-        origin=low - grow,
-        size=high - low + 2 * grow,
-        mesh=mesh,
-        total=total,
-        uniform_share=uniform_share,
-        **keys,
-    )
+    box = {"counts": counts, "origin": low - grow, "size": high - low + 2 * grow, "mesh": mesh}
+    return point_masses(distribution, **box, **{"total": 1.0, "uniform_share": 0.0, **keys})
 
 
 def centre_of_mass(found, mesh, counts, margin=0.0):
@@ -210,18 +202,12 @@ def test_control_points_are_in_flat_order_with_x_fastest():
     assert masses("vertices", heavy, uniform_share=0.01).mass.argmax() == 3
 
 
-def test_seams_of_the_texture_do_not_weigh_twice():
+def test_seams_of_the_texture_do_not_weigh_twice_and_vertices_without_faces_weigh_nothing():
     mesh = wedge()
     split = Mesh(np.vstack([mesh.vertices, mesh.vertices[:1]]), [[4, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
-    found, expected = (masses("vertices", m, uniform_share=0.1).mass for m in (split, mesh))
-    np.testing.assert_array_equal(found, expected)
-
-
-def test_vertices_without_faces_weigh_nothing():
-    mesh = wedge()
     stray = Mesh(np.vstack([mesh.vertices, [[0.5, 0.5, 0.5]]]), mesh.faces)
-    found, expected = (masses("vertices", m, uniform_share=0.1).mass for m in (stray, mesh))
-    np.testing.assert_array_equal(found, expected)
+    expected, *found = (masses("vertices", each, uniform_share=0.1).mass for each in (mesh, split, stray))
+    np.testing.assert_array_equal(found, [expected, expected])
 
 
 def test_uniform_masses_are_equal_and_need_no_mesh():

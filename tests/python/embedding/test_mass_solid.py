@@ -38,6 +38,17 @@ def of_mesh(distribution, mesh, n, **keys):
     return node_masses(distribution, **{**body, **keys}), to_flat(rest_nodes((n,) * 3, low, high - low))
 
 
+def hats_of(distribution, mesh, n):
+    """Shares of the nodes by hat functions (n^3,), in flat order."""
+    low, high = mesh.bounds
+    return to_flat(hat_shares(distribution, (n,) * 3, low, high - low, mesh)[..., None])[:, 0]
+
+
+def box_of(n):
+    """Shares of the nodes in a full box (n^3,)."""
+    return to_flat(volume_shares((n,) * 3)[..., None])[:, 0]
+
+
 def moments(mass, places):
     """Total, centre (3,) and covariance (3, 3)."""
     centre = mass @ places / mass.sum()
@@ -117,12 +128,12 @@ def test_masses_have_the_ten_moments_of_the_object_and_a_floor(real_meshes, name
     found, places = of_mesh(distribution, mesh, n)
     low, high = mesh.bounds
     total, centre, second = moments(found.mass, places)
-    hats = to_flat(hat_shares(distribution, (n,) * 3, low, high - low, mesh)[..., None])[:, 0]
+    hats = hats_of(distribution, mesh, n)
     scale = (high - low).max()
     assert total == pytest.approx(2.5, rel=1e-13)
     np.testing.assert_allclose(centre, hats @ places / hats.sum(), rtol=0, atol=1e-12 * scale)
     np.testing.assert_allclose(second, covariance(distribution, mesh, high - low), rtol=0, atol=1e-12 * scale**2)
-    least = floor * 2.5 * to_flat(volume_shares((n,) * 3)[..., None])[:, 0]
+    least = floor * 2.5 * box_of(n)
     assert floor in FLOORS and (found.mass >= least * (1 - 1e-12)).all()
     assert (found.mass <= least * (1 + 1e-9)).sum() == held
     np.testing.assert_allclose(found.inertia, 1.0, rtol=0, atol=1e-12)
@@ -134,8 +145,7 @@ def test_the_nearest_masses_are_found(real_meshes, n):
     mesh = load_mesh(real_meshes / "beetle.obj")
     found, places = of_mesh("surface", mesh, n)
     low, high = mesh.bounds
-    hats = to_flat(hat_shares("surface", (n,) * 3, low, high - low, mesh)[..., None])[:, 0]
-    box = to_flat(volume_shares((n,) * 3)[..., None])[:, 0]
+    hats, box = hats_of("surface", mesh, n), box_of(n)
     slope = (found.mass / 2.5 - hats / hats.sum()) / box
     rows, held = rows_of(places, high - low), found.mass <= 0.3 * 2.5 * box * (1 + 1e-9)
     multipliers = np.linalg.lstsq(rows[:, ~held].T, slope[~held], rcond=None)[0]
@@ -149,11 +159,10 @@ def test_where_no_masses_have_the_inertia_mass_and_centre_are_exact_and_it_is_ne
     mesh = plate() if body == "plate" else load_mesh(real_meshes / "spot.obj")
     found, places = of_mesh("volume", mesh, 4)
     low, high = mesh.bounds
-    hats = to_flat(hat_shares("volume", (4, 4, 4), low, high - low, mesh)[..., None])[:, 0]
+    hats, box = hats_of("volume", mesh, 4), box_of(4)
     total, centre, _ = moments(found.mass, places)
     assert total == pytest.approx(2.5, rel=1e-12)
     np.testing.assert_allclose(centre, hats @ places / hats.sum(), rtol=0, atol=1e-12 * (high - low).max())
-    box = to_flat(volume_shares((4, 4, 4))[..., None])[:, 0]
     assert (found.mass >= FLOORS[-1] * 2.5 * box * (1 - 1e-12)).all()
     assert 1.01 < found.inertia.max() < 1.2 and found.inertia.min() > 1.02
     rows = rows_of(places, high - low)
