@@ -35,11 +35,6 @@ BODY = (
     '<instance_geometry url="#body"><bind_material><technique_common><instance_material symbol="paint" target="#paint"/>'
     "</technique_common></bind_material></instance_geometry>"
 )
-SKIN, BROKEN, OUTSIDE = (
-    '<instance_controller url="#bones"/>',
-    '<instance_geometry url="#gone"/>',
-    '<instance_geometry url="other.dae#body"/>',
-)
 
 
 def text(**parts):
@@ -47,9 +42,9 @@ def text(**parts):
 
 
 LOST = {
-    SKIN: r"bodies on a skin or morph \(#bones\), which are not read: apply the armature",
-    BROKEN: r"broken references \(#gone\)",
-    OUTSIDE: r"bodies in other files \(other.dae#body\), which are not read",
+    '<instance_controller url="#bones"/>': r"bodies on a skin or morph \(#bones\), which are not read: apply the armature",
+    '<instance_geometry url="#gone"/>': r"broken references \(#gone\)",
+    '<instance_geometry url="other.dae#body"/>': r"bodies in other files \(other.dae#body\), which are not read",
 }
 
 

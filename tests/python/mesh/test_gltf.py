@@ -32,7 +32,7 @@ def tetrahedron(change=lambda header: None):
         "buffers": [{"byteLength": part.nbytes, "uri": _data(part.tobytes())} for part, _, _ in parts],
         "bufferViews": [{"buffer": n, "byteLength": part.nbytes} for n, (part, _, _) in enumerate(parts)],
         "accessors": [
-            {"bufferView": n, "componentType": number, "count": counts[n], "type": kind} for n, (_, number, kind) in enumerate(parts)
+            {"bufferView": n, "componentType": type, "count": counts[n], "type": kind} for n, (_, type, kind) in enumerate(parts)
         ],
         "meshes": [{"primitives": [{"attributes": attributes, "indices": 1, "material": 0}]}],
         "nodes": [{"mesh": 0}],
@@ -49,6 +49,14 @@ def _node(**keys):
     return lambda header: header["nodes"][0].update(keys)
 
 
+def _texture(**keys):
+    return lambda header: header["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"].update(keys)
+
+
+def _required(*extensions):
+    return lambda header: header.update(extensionsRequired=list(extensions))
+
+
 def _targets(header):
     header["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": 0}]
     header["meshes"][0]["weights"] = [0.0]
@@ -63,10 +71,7 @@ REFUSED = {
     "morph": (lambda header: [_targets(header), header["meshes"][0].update(weights=[1.0])], "uses morph targets .* apply the shape keys"),
     "morph of a node": (lambda header: [_targets(header), _node(weights=[0.5])(header)], "uses morph targets"),
     "instances": (_node(extensions={"EXT_mesh_gpu_instancing": {}}), "EXT_mesh_gpu_instancing, .* make the instances real"),
-    "required": (
-        lambda header: header.update(extensionsRequired=["VENDOR_a", "KHR_materials_unlit"]),
-        r"uses VENDOR_a \(extensionsRequired\)",
-    ),
+    "required": (_required("VENDOR_a", "KHR_materials_unlit"), r"uses VENDOR_a \(extensionsRequired\)"),
     "no positions": (_bare(0), "uses numbers without a bufferView"),
     "no corners": (_bare(1), "uses numbers without a bufferView"),
     "no POSITION": (lambda header: header["meshes"][0]["primitives"][0]["attributes"].pop("POSITION"), "uses primitives without POSITION"),
@@ -74,10 +79,7 @@ REFUSED = {
     "no such node": (_node(children=[7]), "wanted the number of one of its 1 nodes, from 0, got 7"),
     "a cycle": (_node(children=[0]), r"nodes\[0\]: wanted one parent .* that its scene reaches twice"),
     "no list": (lambda header: header.update(nodes=5), "not that of a glTF scene"),
-    "no number": (
-        lambda header: header["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"].update(texCoord=np.inf),
-        "no.* glTF scene",
-    ),
+    "no number": (_texture(texCoord=np.inf), "no.* glTF scene"),
 }
 
 
@@ -98,7 +100,7 @@ PLACED = {
     "morphs of no weight": (_targets, 0),
     "no scene": (lambda header: [header.pop("scenes"), header.update(nodes=[{"mesh": 0}, {"children": [0], "translation": [3, 0, 0]}])], 3),
     "on a camera": (_camera, 5),
-    "required looks": (lambda header: header.update(extensionsRequired=["KHR_materials_unlit", "KHR_texture_transform"]), 0),
+    "required looks": (_required("KHR_materials_unlit", "KHR_texture_transform"), 0),
 }
 
 
@@ -119,10 +121,6 @@ def test_all_primitives_of_a_node_are_the_group_of_its_name(tmp_path):
     assert dict(zip(looks.groups, counts, strict=True)) == {Group("body_1"): 16, Group("2"): 8}
 
 
-def _texture(**keys):
-    return lambda header: header["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"].update(keys)
-
-
 def _moved(**keys):
     return _texture(extensions={"KHR_texture_transform": keys})
 
@@ -138,10 +136,7 @@ COORDINATES = {
     "second of the transform": (_moved(texCoord=1), SECOND),
     "offset": (_moved(offset=[0.5, 0.25]), FIRST + np.array([0.5, 0.25])),
     "turned": (_moved(rotation=np.pi / 2), _turned(FIRST)),
-    "scaled, then turned, then moved": (
-        _moved(scale=[2, 3], rotation=np.pi / 2, offset=[1, 0]),
-        _turned(FIRST * [2, 3]) + np.array([1, 0]),
-    ),
+    "scaled, turned, moved": (_moved(scale=[2, 3], rotation=np.pi / 2, offset=[1, 0]), _turned(FIRST * [2, 3]) + np.array([1, 0])),
 }
 
 

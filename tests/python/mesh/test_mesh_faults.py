@@ -41,6 +41,7 @@ def faults():
         "one place": ("a.obj", "v 1 2 3\nv 1 2 3\nv 1 2 3\nf 1 2 3\n", "flat along x and y and z"),
         "no area": ("a.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\nf 1 1 3\n", "none of its 2 faces has an area"),
         "stl too short": ("a.stl", binary[:-1], "promises 4 triangles, which makes 284 bytes, but it has 283 bytes"),
+        "stl cut off after a word": ("a.stl", b"solid" + bytes(75) + (1000).to_bytes(4, "little") + bytes(60), "promises 1000 triangles"),
         "stl no head": ("a.stl", binary[:50], "it has 50 bytes, and every binary STL file begins with 84"),
         "stl without triangles": ("a.stl", bytes(84), "no vertices"),
         "stl of one place": ("a.stl", binary, "flat along x and y and z"),
@@ -80,13 +81,10 @@ def faults():
         "gltf no json": ("a.gltf", "{", "JSON cannot be read"),
         "gltf version": ("a.gltf", '{"asset": {"version": "1.0"}}', "wanted glTF version 2, got version 1.0"),
         "gltf no version": ("a.gltf", "{}", "wanted glTF version 2, got no version"),
-        "gltf without data": (
-            "a.gltf",
-            '{"asset": {"version": "2.0"}, "buffers": [{"uri": "a.bin"}]}',
-            "names 'a.bin', which is not beside it",
-        ),
+        "gltf no data": ("a.gltf", '{"asset": {"version": "2.0"}, "buffers": [{"uri": "a.bin"}]}', "names 'a.bin', which is not beside it"),
         "glb magic": ("a.glb", b"glTX" + glb_with(lambda h: None)[4:], "not a GLB file: wanted one that begins with b'glTF'"),
         "glb version": ("a.glb", b"glTF\1\0\0\0" + glb_with(lambda h: None)[8:], "wanted glTF version 2, got version 1"),
+        "glb without a version": ("a.glb", b"glTF" + bytes(8), "wanted glTF version 2, got version 0"),
         "glb cut off": ("a.glb", glb_with(lambda h: None)[:-7], "promises .* bytes, but it has"),
         "glb only magic": ("a.glb", b"glTF\2\0\0\0\x0c\0\0\0", "not a whole block of JSON"),
         "glb no json": ("a.glb", struct.pack("<4sIII4s", b"glTF", 2, 24, 4, b"JSON") + b"{{{{", "JSON cannot be read"),
@@ -120,10 +118,12 @@ def test_a_missing_file_and_a_directory_are_refused(tmp_path):
             save_mesh(ball(), folder)
 
 
-@pytest.mark.parametrize("scale", [0, -1.0, np.nan, "mm", [1.0], None])
-def test_a_scale_that_is_no_number_above_0_is_refused(scale, tmp_path):
-    with pytest.raises(MeshError, match=r"a\.obj: mesh\.scale: wanted (a number > 0|one number), got "):
-        loaded(tmp_path, "a.obj", TETRAHEDRON + FACES, scale=scale)
+@pytest.mark.parametrize(
+    "keys", [*({"scale": scale} for scale in (0, -1.0, np.nan, "mm", [1.0], None)), {"up": "w"}, {"up": "-z"}], ids=str
+)
+def test_a_scale_that_is_no_number_above_0_and_an_up_that_is_no_axis_are_refused(keys, tmp_path):
+    with pytest.raises(MeshError, match=r"a\.obj: mesh\.(scale: wanted (a number > 0|one number)|up: wanted one of x, y, z), got "):
+        loaded(tmp_path, "a.obj", TETRAHEDRON + FACES, **keys)
 
 
 @pytest.mark.parametrize("kind", [*ENDINGS, "text.stl", "text.ply", "text.off"])

@@ -10,10 +10,8 @@ from softffd.mesh.files import load_mesh
 
 pytest.importorskip("networkx", reason="networkx is not installed")
 
-CORE, PRODUCTION = (
-    "http://schemas.microsoft.com/3dmanufacturing/{}/2015/02",
-    "http://schemas.microsoft.com/3dmanufacturing/production/2015/06",
-)
+CORE = "http://schemas.microsoft.com/3dmanufacturing/{}/2015/02"
+PRODUCTION = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06"
 CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 MESH = (
     "<mesh><vertices>"
