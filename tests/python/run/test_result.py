@@ -22,23 +22,6 @@ TURNING = box(
     ],
     stop_time=0.5,
 )  # fmt: skip
-MARGIN = """
-[lattice]
-points = [7, 5, 5]
-margin = 0.1
-basis = "bspline"
-[mesh]
-file = "ball.obj"
-[initial]
-angular_velocity = [0.0, 0.0, 3.0]
-[[probe]]
-name = "vertex"
-at = {vertex}
-[outputs]
-positions = {positions}
-[experiment]
-stop_time = 0.05
-"""
 
 
 @pytest.fixture(scope="module")
@@ -67,22 +50,17 @@ def test_a_plane_that_jumps_at_a_communication_point_has_no_velocity(result, jum
     np.testing.assert_array_equal(after.inputs["plane.hand.point.z"], np.where(after.time < jump - 1e-9, -5.0, -4.0))
 
 
-@pytest.fixture
-def margin(tmp_path):
-    """margin(positions): a B-spline lattice around a ball with a probe in one of its vertices."""
-    save_mesh(ball(), tmp_path / "ball.obj")
-    vertex = ball().vertices[7].round(4).tolist()
-
-    def scene(positions="all"):
-        text = positions if positions[0] == "{" else f'"{positions}"'
-        (tmp_path / "margin.toml").write_text(MARGIN.format(vertex=vertex, positions=text))
-        return load_scene(tmp_path / "margin.toml")
-
-    return scene
+def margin(folder, positions="all"):
+    """A B-spline lattice around a ball with a probe in one of its vertices."""
+    save_mesh(ball(), folder / "ball.obj")
+    lattice = {"points": [7, 5, 5], "margin": 0.1, "basis": "bspline"}
+    probe = [{"name": "vertex", "at": ball().vertices[7].round(4).tolist()}]
+    about = {"angular_velocity": [0.0, 0.0, 3.0], "outputs": {"positions": positions}, "stop_time": 0.05}
+    return box(mesh={"file": folder / "ball.obj"}, lattice=lattice, probe=probe, **about)
 
 
-def test_the_deformed_mesh_goes_with_the_probe_in_the_scene_s_own_box_and_basis(margin):
-    result = simulate(margin())
+def test_the_deformed_mesh_goes_with_the_probe_in_the_scene_s_own_box_and_basis(tmp_path):
+    result = simulate(margin(tmp_path))
     probe = np.stack([result.outputs[f"probe.vertex.{c}"] for c in "xyz"], axis=1)
     np.testing.assert_allclose(result.deformed()[7], probe[-1], atol=2e-4)
     np.testing.assert_allclose(result.deformed(row=slice(None))[:, 7], probe, atol=2e-4)
@@ -94,8 +72,8 @@ def test_the_deformed_mesh_goes_with_the_probe_in_the_scene_s_own_box_and_basis(
     np.testing.assert_array_equal(result.deformed(), given)
 
 
-def test_points_that_are_not_in_the_lattice_are_told_with_the_first_and_the_box(margin):
-    result = simulate(margin(), stop_time=0.01)
+def test_points_that_are_not_in_the_lattice_are_told_with_the_first_and_the_box(tmp_path):
+    result = simulate(margin(tmp_path), stop_time=0.01)
     inside = result.lattice.rest()[1, 1, 1]
     with pytest.raises(
         MeshError, match=r"^deformed: 1 of the 2 points lie outside .* box, which spans .*first is number 1 .*, \[0, 0, 99\] m"
@@ -107,9 +85,9 @@ def test_points_that_are_not_in_the_lattice_are_told_with_the_first_and_the_box(
         result.deformed(replace(ball(), vertices=100 * ball().vertices))
 
 
-@pytest.mark.parametrize("positions", ["all", "x-", "{ i = [0, 2] }", "none"])
-def test_an_fmu_gives_the_same_lattice_as_its_scene(margin, tmp_path, positions):
-    scene = margin(positions)
+@pytest.mark.parametrize("positions", ["all", "x-", {"i": [0, 2]}, "none"])
+def test_an_fmu_gives_the_same_lattice_as_its_scene(tmp_path, positions):
+    scene = margin(tmp_path, positions)
     from_scene, from_fmu = simulate(scene), simulate(package_fmu(scene, tmp_path / "margin.fmu"))
     np.testing.assert_array_equal(from_fmu.positions, from_scene.positions)
     assert from_fmu.positions.shape == (6, 7, 5, 5, 3) and from_fmu.lattice == from_scene.lattice

@@ -10,25 +10,10 @@ import numpy as np
 import pytest
 
 from mesh_files import ball
-from scenes import box, table_and_press
+from scenes import GRAVITY, box, table_and_press
 from softffd import MeshError, Result, SoftffdError, load_scene, package_fmu, save_mesh, simulate
 from softffd.cli.command import main
-
-BALL = """
-title = "Ball"
-[lattice]
-points = [3, 3, 3]
-margin = 0.1
-[mesh]
-file = "ball.obj"
-[environment]
-gravity = [0.0, 0.0, -9.81]
-[[plane]]
-name = "ground"
-point = [0.0, 0.0, -2.0]
-[experiment]
-stop_time = 0.05
-"""
+from softffd.scene.scene import scene_from
 
 
 @pytest.fixture(scope="module")
@@ -45,8 +30,9 @@ def small() -> Result:
 @pytest.fixture
 def ball_run(tmp_path) -> Result:
     save_mesh(ball(), tmp_path / "ball.obj")
-    (tmp_path / "ball.toml").write_text(BALL)
-    return simulate(load_scene(tmp_path / "ball.toml"))
+    ground = {"plane": [{"name": "ground", "point": [0.0, 0.0, -2.0]}], "environment": {"gravity": GRAVITY}}
+    mesh = {"mesh": {"file": "ball.obj"}, "lattice": {"points": [3, 3, 3], "margin": 0.1}}
+    return simulate(scene_from({**mesh, **ground, "experiment": {"stop_time": 0.05}}, path=tmp_path / "ball.toml"))
 
 
 def require_same(one: Result, other: Result) -> None:
@@ -126,13 +112,16 @@ def test_the_mesh_of_a_shipped_scene_is_found(tmp_path):
     assert Result.load(tmp_path / "run.npz").scene == run.scene
 
 
-@pytest.mark.parametrize("change, why", [(lambda file: file.unlink(), "ball.obj"), (None, "ball.obj is another mesh than at the time")])
+@pytest.mark.parametrize(
+    "change, why",
+    [
+        (Path.unlink, "ball.obj"),
+        (lambda file: save_mesh(replace(ball(), vertices=1.001 * ball().vertices), file), "ball.obj is another mesh than at the time"),
+    ],
+)
 def test_without_its_mesh_a_result_says_why_it_has_no_scene(ball_run, tmp_path, change, why):
     ball_run.save(tmp_path / "run.npz")
-    if change:
-        change(tmp_path / "ball.obj")
-    else:
-        save_mesh(replace(ball(), vertices=1.001 * ball().vertices), tmp_path / "ball.obj")
+    change(tmp_path / "ball.obj")
     loaded = Result.load(tmp_path / "run.npz")
     assert loaded.scene is None and why in loaded.sceneless and why in repr(loaded)
     with pytest.raises(MeshError, match=r"deformed: wanted a mesh, for .*ball\.obj"):
@@ -193,14 +182,14 @@ WRONG = [
 ]  # fmt: skip
 
 
-def rewritten(result: Result, path, **changes) -> Result:
-    """What a file with another header is loaded as; ... for a key takes it away."""
+def rewritten(result: Result, path, arrays=None, **changes) -> Result:
+    """What a file with other arrays or another header is loaded as; ... for a key of the header takes it away."""
     result.save(path)
     with np.load(path) as kept:
-        arrays = dict(kept)
-    header = json.loads(str(arrays["header"])) | changes
-    arrays["header"] = np.array(json.dumps({key: value for key, value in header.items() if value is not ...}))
-    np.savez(path, **arrays)
+        whole = dict(kept) | (arrays or {})
+    header = json.loads(str(whole["header"])) | changes
+    whole["header"] = np.array(json.dumps({key: value for key, value in header.items() if value is not ...}))
+    np.savez(path, **whole)
     return Result.load(path)
 
 
@@ -222,15 +211,10 @@ def test_a_scene_that_is_none_is_told_and_the_numbers_stay(small, tmp_path, keys
 
 
 def test_arrays_of_other_shapes_are_refused(small, tmp_path):
-    path = tmp_path / "run.npz"
     for key, wrong in (("time", small.time[1:]), ("positions", small.positions[..., :2]), ("time", np.array(1.0)),
                        ("inputs", np.array(1.0)), ("positions", small.positions.astype("S8"))):  # fmt: skip
-        small.save(path)
-        with np.load(path) as kept:
-            arrays = dict(kept) | {key: wrong}
-        np.savez(path, **arrays)
         with pytest.raises(SoftffdError, match="damaged, or no result that softffd wrote"):
-            Result.load(path)
+            rewritten(small, tmp_path / "run.npz", {key: wrong})
 
 
 def test_what_would_not_fit_into_the_memory_is_refused_unread(small, tmp_path, monkeypatch):

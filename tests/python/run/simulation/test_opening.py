@@ -20,7 +20,11 @@ from softffd.fmu.component import Component
 from softffd.scene.document import SHIPPED
 
 
-def test_a_path_as_text_and_an_opened_component_are_taken_too(tmp_path):
+def test_a_scene_goes_by_its_name_or_path_an_fmu_by_its_path_and_an_opened_component_is_taken_too(tmp_path):
+    file = SHIPPED / "press.toml"
+    for given in ("press", str(file), file):
+        with Simulation(given) as sim:
+            assert sim.plane and sim.component.interface.name == "press"
     fmu = package_fmu(scene(), tmp_path / "box.fmu")
     with Simulation(str(fmu)) as opened:
         step(opened)
@@ -97,13 +101,6 @@ def test_an_fmu_with_the_installed_library_is_opened_without_unpacking_it(monkey
 def test_what_cannot_be_opened_is_refused(what, options, words):
     with pytest.raises(SoftffdError, match=re.escape(words)):
         Simulation(what, **options)
-
-
-def test_a_scene_goes_by_its_name_and_its_path():
-    file = SHIPPED / "press.toml"
-    for given in ("press", str(file), file):
-        with Simulation(given) as sim:
-            assert sim.plane and sim.component.interface.name == "press"
 
 
 def test_a_run_takes_the_library_of_this_machine_alone(tmp_path, monkeypatch):

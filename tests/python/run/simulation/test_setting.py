@@ -120,7 +120,7 @@ def test_a_vector_wants_its_components(sim):
 def test_what_is_read_is_a_copy(sim):
     with pytest.raises(ValueError, match="read-only"):
         sim.positions[1, 1, 1] = 0
-    point = sim.plane["plate"].point
+    point, reaction = sim.plane["plate"].point, sim.plane["ground"].reaction
     assert type(point) is np.ndarray and type(sim.load["push"]) is type(sim.force[3, 3, 3]) is type(sim["gravity"]) is np.ndarray
     before = point.copy()
     point += (0, 0, 1)
@@ -130,3 +130,5 @@ def test_what_is_read_is_a_copy(sim):
     np.testing.assert_array_equal(sim.plane["plate"].point, point)
     sim.plane["plate"].point -= (1, 0, 0)
     assert sim["plane.plate.point.x"] == 4
+    step(sim, 2)
+    assert reaction[2] == 0.0 and sim.plane["ground"].reaction[2] < 0
