@@ -13,6 +13,7 @@ import pytest
 
 from made_up_run import at_rest_about
 from mesh_files import two_colours
+from softffd.lattice import to_flat
 from softffd.mesh.files import load_mesh
 from softffd.show.view import write_view
 
@@ -82,3 +83,9 @@ def live_of(page: Path) -> dict:
 
 def parts_by_name(live: dict) -> dict[str, int]:
     return {part["label"]: n for n, part in enumerate(live["open"]["parts"])}
+
+
+def assert_shown(result, points: list[float], centre: list[float]) -> None:
+    """A live page showed the control points as they are at the end of a run, to the last bit."""
+    native = (to_flat(result.positions[-1]) - centre).astype("f4")
+    assert (np.array(points, "f4").reshape(-1, 3) == native).all()

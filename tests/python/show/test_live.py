@@ -1,44 +1,23 @@
 """The live page: what it holds, and that a recording of what a hand did runs natively to the same bits."""
 
-import json
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 
-from pages import in_node, live_of, parts_by_name
+from pages import assert_shown, in_node, live_of, parts_by_name, whole_run_of
 from scenes import box
 from softffd import save_mesh, simulate
 from softffd.cli.command import main
 from softffd.cli.keep import run_scene_or_fmu
-from softffd.errors import SoftffdError
-from softffd.installed import wasm_library
 from softffd.mesh.mesh import Mesh
 from softffd.run.findings import reactions
 from softffd.show.live.described import Described
-from softffd.show.live.page import live_page, write_live
+from softffd.show.live.page import live_page as page_text
 from softffd.show.live.scene import is_recording, live_scene
 from softffd.show.skin import cage_surface
 from softffd.show.stage import stage_of
-
-
-@pytest.fixture(scope="module")
-def pages(tmp_path_factory):
-    """Live pages by scene, each written once."""
-    try:
-        wasm_library()
-    except SoftffdError:
-        pytest.skip("no WebAssembly library in this installation")
-    folder, written = tmp_path_factory.mktemp("pages"), {}
-
-    def page(name: str) -> Path:
-        if name not in written:
-            written[name] = write_live(name, folder / f"{name}.html")
-        return written[name]
-
-    return page
 
 
 def session(live: dict, part: str, target: list[float], slider: int, corner: int) -> list[dict]:
@@ -60,8 +39,8 @@ def session(live: dict, part: str, target: list[float], slider: int, corner: int
 
 
 @pytest.mark.full
-def test_a_refused_step_leaves_all_as_it_was_and_the_run_goes_on(tmp_path, pages):
-    page = pages("bumper")  # whose plate may not go through the pin behind it
+def test_a_refused_step_leaves_all_as_it_was_and_the_run_goes_on(tmp_path, live_page):
+    page = live_page("bumper")  # whose plate may not go through the pin behind it
     live = live_of(page)
     hand = {"part": parts_by_name(live)["plate"], "target": [0.05, 0.05, -0.02]}
     run = {"hand": None, "budget": 1e9}
@@ -75,8 +54,8 @@ def test_a_refused_step_leaves_all_as_it_was_and_the_run_goes_on(tmp_path, pages
 
 @pytest.mark.short("press")
 @pytest.mark.parametrize("name", ["press", "car_ball", "hanging", "bumper", "car_drop"])
-def test_a_recording_runs_natively_to_the_same_bits(tmp_path, pages, name):
-    page = pages(name)
+def test_a_recording_runs_natively_to_the_same_bits(tmp_path, live_page, name):
+    page = live_page(name)
     live = live_of(page)
     parts = live["open"]["parts"]
     part = {"press": "press", "car_ball": "ball"}.get(name, parts[-1]["label"])
@@ -87,9 +66,8 @@ def test_a_recording_runs_natively_to_the_same_bits(tmp_path, pages, name):
     last = answers[-2]
     result = run_scene_or_fmu(name, inputs=recording)
     assert is_recording(recording) and result.time[-1] == last["frame"]
-    shown = (result.positions[-1].transpose(2, 1, 0, 3).reshape(-1, 3) - live["open"]["centre"]).astype("f4")
-    assert (np.array(last["points"], "f4").reshape(-1, 3) == shown).all()
-    for row in (row for row in rows_of(page) if row["kind"] == "reaction"):
+    assert_shown(result, last["points"], live["open"]["centre"])
+    for row in (row for row in whole_run_of(page)["rows"] if row["kind"] == "reaction"):
         force = next(force for found, force in reactions(result).items() if found.name == row["label"])
         assert [last["outputs"][n] for n in row["at"]] == force[-1].tolist()
     assert any(values.any() for key, values in result.inputs.items() if key.startswith("force"))
@@ -107,11 +85,11 @@ LED = {
 
 
 @pytest.mark.full
-def test_turns_and_loads_by_hand_run_natively_to_the_same_bits(tmp_path, pages):
+def test_turns_and_loads_by_hand_run_natively_to_the_same_bits(tmp_path, live_page):
     """Every kind of obstacle and a pin, about an axis that is none of the world's, saved and restored on the way."""
     save_mesh(Mesh(*cage_surface([0.02] * 3, [0.96] * 3, divisions=6)), tmp_path / "cube.obj")
     scene = box(**LED, mesh={"file": tmp_path / "cube.obj"}, contact={"of": "surface"})
-    page = write_live(scene, tmp_path / "live.html")
+    page = live_page(scene)
     live = live_of(page)
     parts, long = parts_by_name(live), {"budget": 1e9}
     assert {part["label"]: part["turns"] for part in live["open"]["parts"]} == {
@@ -131,8 +109,7 @@ def test_turns_and_loads_by_hand_run_natively_to_the_same_bits(tmp_path, pages):
     assert last["turns"][parts["ball"]] == [1, 0, 0, 0]
     (tmp_path / "recording.csv").write_text(recorded["recording"])
     result = simulate(live_scene(scene), inputs=tmp_path / "recording.csv", stop_time=last["frame"], open_end=True)
-    shown = (result.positions[-1].transpose(2, 1, 0, 3).reshape(-1, 3) - live["open"]["centre"]).astype("f4")
-    assert (np.array(last["points"], "f4").reshape(-1, 3) == shown).all()
+    assert_shown(result, last["points"], live["open"]["centre"])
     assert result.inputs["load.push.x"].max() > 0.5 and abs(result.inputs["box.crate.rotation.z"]).max() > 0.05
     assert not result.summary["warnings"]
 
@@ -142,14 +119,10 @@ def test_a_page_of_ten_thousand_triangles_is_below_two_megabytes(tmp_path):
     sphere = trimesh.creation.uv_sphere(count=[51, 51])
     assert len(sphere.faces) > 10_000
     save_mesh(Mesh(sphere.vertices, sphere.faces), tmp_path / "ball.obj")
-    scene = box(
-        mesh={"file": tmp_path / "ball.obj"},
-        contact={"of": "surface"},
-        plane=[{"name": "ground", "point": [0, 0, -1]}],
-        gravity=[0, 0, -9.81],
-    )
+    ground = {"plane": [{"name": "ground", "point": [0, 0, -1]}], "gravity": [0, 0, -9.81]}
+    scene = box(mesh={"file": tmp_path / "ball.obj"}, contact={"of": "surface"}, **ground)
     noise = np.random.default_rng(0).bytes(600_000)
-    page = live_page(scene, simulate(scene.replace({"outputs.positions": "all"}), stop_time=0.01), noise)
+    page = page_text(scene, simulate(scene.replace({"outputs.positions": "all"}), stop_time=0.01), noise)
     assert len(page.encode()) < 2e6
 
 
@@ -196,7 +169,3 @@ def test_only_a_file_that_says_so_is_a_recording(tmp_path):
     assert is_recording(table)
     result = run_scene_or_fmu("press", inputs=table, stop_time=0.05)
     assert result.summary["communication_steps"] == 24 and "force[0,0,0].x" in result.inputs
-
-
-def rows_of(page: Path) -> list[dict]:
-    return json.loads(re.search(r'id="run">(.*?)</script>', page.read_text("utf-8"))[1])["rows"]

@@ -6,24 +6,14 @@ import pytest
 from browser import Browser, require_browser
 from pages import in_node, live_of, parts_by_name
 from scenes import GRAVITY, meshed
-from softffd import SoftffdError, simulate
-from softffd.installed import wasm_library
-from softffd.show.live.page import write_live
+from softffd import simulate
 from softffd.show.live.scene import live_scene
 from validation import shapes
 
+FREE = {"motion": "free", "mass": 2.0}
 PARTS = {
-    "sphere": [{"name": "ball", "radius": 0.1, "point": [0.5, 0.5, 1.6], "motion": "free", "mass": 2.0, "velocity": [0.0, 0.0, 3.0]}],
-    "box": [
-        {
-            "name": "crate",
-            "size": [0.3, 0.4, 0.5],
-            "point": [1.4, 0.5, 0.5],
-            "motion": "free",
-            "mass": 2.0,
-            "angular_velocity": [1.0, 2.0, 3.0],
-        }
-    ],
+    "sphere": [{"name": "ball", "radius": 0.1, "point": [0.5, 0.5, 1.6], **FREE, "velocity": [0.0, 0.0, 3.0]}],
+    "box": [{"name": "crate", "size": [0.3, 0.4, 0.5], "point": [1.4, 0.5, 0.5], **FREE, "angular_velocity": [1.0, 2.0, 3.0]}],
     "plane": [{"name": "floor", "point": [0.0, 0.0, -0.5]}],
 }
 
@@ -38,17 +28,8 @@ def test_a_live_scene_leaves_free_bodies_free(scene):
     assert parts == {"floor": "input", "ball": "free", "crate": "free", "foot": "input"}
 
 
-@pytest.fixture
-def paged(tmp_path):
-    try:
-        wasm_library()
-    except SoftffdError:
-        pytest.skip("no WebAssembly library in this installation")
-    return lambda scene: write_live(scene, tmp_path / "live.html")
-
-
-def test_a_free_body_is_drawn_by_its_force_and_the_recording_runs_to_the_same_bits(paged, scene, tmp_path):
-    page = paged(scene)
+def test_a_free_body_is_drawn_by_its_force_and_the_recording_runs_to_the_same_bits(live_page, scene, tmp_path):
+    page = live_page(scene)
     live = live_of(page)
     parts, long = parts_by_name(live), {"budget": 1e9}
     ball = live["open"]["parts"][parts["ball"]]
@@ -56,19 +37,9 @@ def test_a_free_body_is_drawn_by_its_force_and_the_recording_runs_to_the_same_bi
     held = {"hand": {"part": parts["ball"], "target": target}, **long}
     far = {"hand": {"part": parts["ball"], "target": [1e3, 0.5, 1.6]}, **long}
     free = {"hand": None, **long}
-    _, begun, saved, held, back, again, pulled, recorded = in_node(
-        page,
-        [
-            {"run": 0.02, **free},
-            {"save": True},
-            {"run": 0.6, **held},
-            {"restore": True},
-            {"run": 0.6, **held},
-            {"run": 0.7, **far},
-            {"recording": True},
-        ],
-        tmp_path,
-    )
+    messages = [{"run": 0.02, **free}, {"save": True}, {"run": 0.6, **held}, {"restore": True}, {"run": 0.6, **held}]
+    messages += [{"run": 0.7, **far}, {"recording": True}]
+    _, begun, saved, held, back, again, pulled, recorded = in_node(page, messages, tmp_path)
     assert saved["saved"] == back["frame"] == begun["frame"] and held["points"] == again["points"] and held["parts"] == again["parts"]
     assert begun["parts"][parts["ball"]][2] > 1.6 and begun["at"] is None and held["at"] == held["parts"][parts["ball"]]
     assert np.linalg.norm(np.array(held["at"]) - target) < 0.05  # its weight
@@ -84,9 +55,9 @@ def test_a_free_body_is_drawn_by_its_force_and_the_recording_runs_to_the_same_bi
 
 
 @pytest.mark.full
-def test_the_mouse_draws_a_free_body_and_does_not_turn_it(paged, scene, tmp_path):
+def test_the_mouse_draws_a_free_body_and_does_not_turn_it(live_page, scene):
     require_browser()
-    page = paged(scene.replace({"environment.gravity": None, "sphere": None}))
+    page = live_page(scene.replace({"environment.gravity": None, "sphere": None}))
     crate = "live.open.parts.findIndex(part => part.label === 'crate')"
     with Browser(page) as browser:
         browser.wait_for("typeof source === 'object' && !!now.outputs")

@@ -8,7 +8,6 @@ from PIL import Image
 
 from made_up_run import ORIGIN, SIZE, at_rest_about, made_up_run, with_mesh
 from mesh_files import two_colours
-from softffd.errors import SoftffdError
 from softffd.mesh.files import load_mesh
 from softffd.show.figure import draw_curves, draw_words, new_figure, png_of
 from softffd.show.panel import Panels, _draw_arrow
@@ -76,13 +75,6 @@ def test_without_reactions_and_energies_the_picture_shows_the_height():
     bare = replace(made_up_run(), outputs={}, inputs={}, parameters={}, scene=None)
     image = pixels(run_picture(bare))
     assert near(image[640:], (0.0, 0.447, 0.698)) > 300
-
-
-def test_a_run_without_recorded_positions_is_refused():
-    result = made_up_run()
-    result.positions[:, 0] = np.nan
-    with pytest.raises(SoftffdError, match="16 of its 64 control points"):
-        run_picture(result)
 
 
 def test_every_lattice_is_inside_its_image_and_fills_it():

@@ -15,8 +15,8 @@ from softffd.show.stage import BESIDE, FREE, OBSTACLES, stage_of
 from softffd.show.touch import touch_of
 
 BALL = Sphere(name="ball", radius=0.5, point=(1.3, 0.0, 0.7))
-POST = Cylinder(name="post", radius=0.3, length=2.0)
-CRATE = Box(name="crate", size=(0.4, 0.6, 1.0))
+POST = Cylinder(name="post", radius=0.3, length=2.0, point=(1.3, 0.0, 0.7))
+CRATE = Box(name="crate", size=(0.4, 0.6, 1.0), point=(1.3, 0.0, 0.7))
 SOLIDS = pytest.mark.parametrize("solid", [BALL, POST, CRATE], ids=lambda solid: solid.name)
 VOLUMES = {"ball": np.pi / 6, "post": 0.18 * np.pi, "crate": 0.24}
 
@@ -66,11 +66,7 @@ def tinted(image, tint):
     return (np.abs(light - np.array(tint) / max(tint)).max(axis=-1) < 0.06).sum()
 
 
-@pytest.mark.parametrize(
-    "solid",
-    [BALL, POST.model_copy(update={"point": (1.3, 0.0, 0.7)}), CRATE.model_copy(update={"point": (1.3, 0.0, 0.7)})],
-    ids=lambda solid: solid.name,
-)
+@SOLIDS
 def test_a_picture_shows_a_solid_in_its_colour(solid):
     coloured = [tinted(panel(beside(*solids)), OBSTACLES[0]) for solids in ((), (solid,))]
     assert coloured[1] > coloured[0] + 500

@@ -52,18 +52,15 @@ def test_up_is_against_gravity():
     assert stage_of(result).up.tolist() == [0, 1, 0]
 
 
-def test_unrecorded_positions_are_refused_with_the_key_that_helps():
-    result = made_up_run()
-    result.positions[:, 1, 2, 3] = np.nan
-    with pytest.raises(SoftffdError, match=r'1 of its 64 control points.*outputs.positions = "all", and "position" in output= where'):
-        stage_of(result)
+UNRECORDED = r'1 of its 64 control points.*outputs.positions = "all", and "position" in output= where'
+TOO_FAR = r"its control points go as far as .* m. Wanted: 1e[+]15 m at most"
 
 
-@pytest.mark.parametrize("place", [np.inf, 1e200])
-def test_places_that_no_picture_holds_are_refused(place):
+@pytest.mark.parametrize("place, words", [(np.nan, UNRECORDED), (np.inf, TOO_FAR), (1e200, TOO_FAR)])
+def test_places_that_were_not_recorded_or_that_no_picture_holds_are_refused(place, words):
     result = made_up_run()
-    result.positions[3, 0, 0, 0] = place
-    with pytest.raises(SoftffdError, match=r"its control points go as far as .* m. Wanted: 1e[+]15 m at most"):
+    result.positions[:, 1, 2, 3] = place
+    with pytest.raises(SoftffdError, match=words):
         stage_of(result)
 
 
@@ -106,25 +103,13 @@ def test_heights_are_measured_along_up():
     assert np.isclose(found["highest point"][0], ORIGIN[2] + 0.8 + SIZE[2])
 
 
-def rigid_run():
-    result = made_up_run(frames=9)
+def test_a_deformation_is_what_a_rigid_motion_leaves():
+    result, rest = made_up_run(frames=9), rest_points((4, 4, 4))
     turns = [np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]]) for a in result.time]
-    moved = [rest_points((4, 4, 4)) @ turn.T + [3, 4, height] for height, turn in enumerate(turns)]
-    return replace(result, positions=np.stack(moved))
-
-
-def test_a_rigid_motion_is_no_deformation():
-    assert rigid_run().deformation().max() < 1e-7
-
-
-def test_a_stretch_is_a_deformation_of_its_size():
-    result = rigid_run()
-    result.positions[4] = rest_points((4, 4, 4)) * [1.5, 1, 1]
-    x = rest_points((4, 4, 4))[..., 0]
+    result = replace(result, positions=np.stack([rest @ turn.T + [3, 4, height] for height, turn in enumerate(turns)]))
+    assert result.deformation().max() < 1e-7
+    result.positions[4] = rest * [1.5, 1, 1]
+    x = rest[..., 0]
     assert np.isclose(result.deformation()[4], 0.5 * abs(x - x.mean()).max())
-
-
-def test_a_mirrored_lattice_is_deformed():
-    result = rigid_run()
-    result.positions[4] = rest_points((4, 4, 4)) * [-1, 1, 1]
+    result.positions[4] = rest * [-1, 1, 1]  # mirrored
     assert result.deformation()[4] > 0.1
