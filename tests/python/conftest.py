@@ -1,4 +1,4 @@
-"""What several tests of the measurement of error against run time need."""
+"""What tests of several rooms need: pages that a browser is asked for, and the measurement of error against run time."""
 
 from pathlib import Path
 
@@ -9,6 +9,14 @@ from softffd.accuracy import command as command
 from softffd.accuracy import measure as accuracy
 from softffd.accuracy import reference as accuracy_reference
 from softffd.accuracy.measure import measure
+
+
+@pytest.fixture
+def opened(monkeypatch) -> list[str]:
+    """The pages that a browser was asked to open."""
+    pages: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda page: pages.append(page) or True)
+    return pages
 
 
 @pytest.fixture

@@ -37,9 +37,16 @@ def test_every_command_has_an_example_that_can_be_typed(name, capsys):
         (["build", "press", "--fmi", "4"], "argument --fmi: wanted one of 2, 3, got 4"),
         (["build", "press", "box"], "box: one word too many"),
         (["build", "press", "--qqqq"], "--qqqq: there is no such option\n"),
+        ([], "the following arguments are required: COMMAND"),
+        (["fly"], "argument COMMAND: wanted one of demo, build, run, "),
+        (["run"], "the following arguments are required: SCENE"),
+        (["run", "press", "--step", "fast"], "argument --step: wanted a number, got 'fast'"),
+        (["run", "press", "--no-input", "--input", "none.csv"], "argument --input: not allowed with argument --no-input"),
+        (["sweep", "press", "--vary", "mass=1", "--scheduler", "a", "-j", "2"], "-j/--jobs: not allowed with argument --scheduler"),
+        (["ssp", "press", "a.fmu"], "a.fmu: one word too many; another component goes after --with"),
     ],
 )
-def test_a_wrong_word_is_told_the_nearest(arguments, said, capsys):
+def test_a_wrong_word_is_told_the_nearest_and_wrong_usage_what_is_wanted(arguments, said, capsys):
     assert said in wrong(capsys, *arguments)
 
 

@@ -97,10 +97,8 @@ def test_a_start_value_of_what_the_file_drives_is_refused(name, capsys):
 
 
 def test_methods_are_told_with_their_share_and_reason(capsys):
-    Path("fall.toml").write_text(
-        "[environment]\ngravity = [0, 0, -9.81]\n[[plane]]\nname = 'ground'\n[initial]\noffset = [0, 0, 0.2]\n"
-        "[experiment]\nstop_time = 0.4\n"
-    )
+    fall = "gravity = [0, 0, -9.81]\n[[plane]]\nname = 'ground'\n[initial]\noffset = [0, 0, 0.2]\n[experiment]\nstop_time = 0.4\n"
+    Path("fall.toml").write_text(f"[environment]\n{fall}")
     said = told(capsys, "run", "fall.toml", "--no-pictures")
     methods = json.loads(Path("softffd-fall/summary.json").read_text())["methods"]
     with Simulation(load_scene("fall.toml"), stop_time=0.4) as sim:
@@ -284,12 +282,6 @@ def test_inputs_may_come_through_a_pipe():
     assert main(["run", "box.toml", "--input", f"/dev/fd/{reading}", "--no-pictures", "-o", "kept"]) == 0
     os.close(reading)
     assert Result.load("kept").inputs["plane.plate.point.z"][0] == 4.0
-
-
-def test_no_input_beside_an_input_is_wrong_usage(tmp_path, capsys):
-    with pytest.raises(SystemExit, match="2"):
-        main(["run", "press", "--no-input", "--input", "none.csv", "-o", str(tmp_path / "a")])
-    assert "argument --input: not allowed with argument --no-input" in capsys.readouterr().err
 
 
 def test_method_and_tolerance_are_those_asked_for(tmp_path, capsys):

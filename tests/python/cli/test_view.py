@@ -18,13 +18,10 @@ from softffd.scene.document import SHIPPED
 from softffd.scene.scene import scene_from
 
 
-@pytest.fixture
-def opened(tmp_path, monkeypatch) -> list[str]:
+@pytest.fixture(autouse=True)
+def kept(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    pages: list[str] = []
-    monkeypatch.setattr("webbrowser.open", lambda page: pages.append(page) or True)
     simulate(box(points=[2, 2, 2], title="Two", stop_time=0.02)).save("kept")
-    return pages
 
 
 def test_a_page_is_made_where_there_is_none_and_kept_where_there_is(opened, capsys):
@@ -72,7 +69,7 @@ def test_several_runs_have_one_page_under_their_names(opened, capsys):
     assert main(["view", "kept", "--ssp"]) == 1 and "--ssp: wanted with two runs or more" in capsys.readouterr().err
 
 
-def test_the_soft_bodies_of_a_system_run_again_with_what_a_host_recorded(opened, capsys):
+def test_the_soft_bodies_of_a_system_run_again_with_what_a_host_recorded(capsys):
     lid = {"name": "lid", "point": [0, 0, 0], "normal": [0, 0, -1], "motion": "input"}
     low = box(lattice={"points": [2, 2, 2], "origin": [0, 0, -1]}, plane=[lid])
     write_ssp("s.ssp", {"a": low, "b": low}, [("a.position[1,1,1].z", "b.plane.lid.point.z")], start_values={"b.damping": 0.25})
@@ -89,7 +86,7 @@ def test_the_soft_bodies_of_a_system_run_again_with_what_a_host_recorded(opened,
 
 
 @pytest.fixture
-def with_mesh(opened) -> Path:
+def with_mesh() -> Path:
     """A system of a body with a mesh."""
     Path("scene").mkdir()
     shutil.copy(SHIPPED / "materials" / "block.obj", "scene")

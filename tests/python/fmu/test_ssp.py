@@ -211,12 +211,6 @@ def test_a_wrong_word_of_the_command_line_is_refused(says, words, told):
     assert not Path("press.ssp").exists()
 
 
-def test_a_further_component_without_with_is_told_where_it_goes(says, capsys):
-    with pytest.raises(SystemExit):
-        main(["ssp", "press", "a.fmu"])
-    assert "a.fmu: one word too many; another component goes after --with" in capsys.readouterr().err
-
-
 def test_a_system_that_is_there_is_kept_unless_it_may_be_written_over(says):
     says("press")
     before = Path("press.ssp").read_bytes()

@@ -25,13 +25,6 @@ def result():
     return simulate(box(plane=table_and_press(), pin=pin, velocities={"i": [1, 1]}, forces="x+", stop_time=0.05))
 
 
-@pytest.fixture
-def opened(monkeypatch) -> list[str]:
-    pages: list[str] = []
-    monkeypatch.setattr("webbrowser.open", lambda page: pages.append(page) or True)
-    return pages
-
-
 def test_plot_gives_the_figure_and_writes_it(tmp_path):
     figure = made_up_run().plot(tmp_path / "run.png")
     assert figure._repr_png_() == (tmp_path / "run.png").read_bytes()

@@ -130,9 +130,6 @@ def test_the_command_takes_a_scheduler(scheduler, tmp_path, capsys):
     assert main(arguments) == 0
     assert "3 runs, 0 failed" in capsys.readouterr().out
     assert Sweep.load(tmp_path / "kept" / "sweep.npz").done.all()
-    with pytest.raises(SystemExit, match="2"):
-        main([*arguments, "-j", "2"])
-    assert "argument -j/--jobs: not allowed with argument --scheduler" in capsys.readouterr().err
 
 
 @pytest.mark.full
