@@ -27,6 +27,13 @@ def each(vector):
     return [f"{vector}.{c}" for c in ("wxyz" if vector == "orientation" else "xyz")]
 
 
+def starts_of(component) -> dict[str, float]:
+    """Of inputs and parameters that are Real, by name, as the description and the library have them."""
+    described = {name: v.start for name, v in component.by_name.items() if v.causality in ("input", "parameter") and v.type == "Real"}
+    assert dict(zip(described, component.block(list(described)).get(), strict=True)) == described
+    return described
+
+
 @pytest.mark.parametrize(
     "section, given, inputs",
     [
@@ -60,8 +67,7 @@ def test_starts_references_and_names_are_those_of_the_library():
     ]
     with Component(box(**parts, pin=pins)) as component:
         component.set_up()
-        described = {name: v.start for name, v in component.by_name.items() if v.causality in ("input", "parameter") and v.type == "Real"}
-        assert dict(zip(described, component.block(list(described)).get(), strict=True)) == described
+        described = starts_of(component)
         for number, name in enumerate(described):
             if name.startswith(("plane.", "pin.")) and not name.endswith("friction") and ".normal." not in name:
                 component.set_start_values({name: 0.25 + number})
@@ -136,10 +142,9 @@ def test_what_is_no_input_is_refused_with_what_makes_it_one(tmp_path):
         ({"inputs": ["angular_velocity.zz"]}, 'did you mean "angular_velocity.z"'),
         ({"inputs": []}, "got []"),
         ({"inputs": "point"}, 'got "point"'),
-        ({"inputs": ["point.z"], "motion": "fixed"}, 'plane[0].inputs: wanted none with motion = "fixed", got ["point.z"]; they'),
     ],
 )
-def test_names_that_are_none_and_inputs_of_what_is_fixed_are_refused(part, words):
+def test_names_that_are_none_are_refused(part, words):
     with pytest.raises(SceneError) as refused:
         box(plane=[{"name": "lid", "motion": "input", **part}])
     assert words in str(refused.value)
@@ -169,13 +174,11 @@ def test_boxes_beside_other_obstacles_have_rotations_where_these_have_normals(tm
     """The library and the description agree on what each reference stands for."""
     with Component(beside_solids(tmp_path)) as component:
         component.set_up()
-        described = {name: v.start for name, v in component.by_name.items() if v.causality in ("input", "parameter") and v.type == "Real"}
-        assert dict(zip(described, component.block(list(described)).get(), strict=True)) == described
+        described = starts_of(component)
         assert described["box.crate.rotation.z"] == described["box.shelf.rotation.z"] == pytest.approx(np.pi / 2)
         assert "box.crate.normal.z" not in described and "cylinder.log.rotation.z" not in described
-        assert [name for name in described if component.by_name[name].causality == "input" and "crate" in name] == [
-            "box.crate.point.x", "box.crate.rotation.z",
-        ]  # fmt: skip
+        inputs = [name for name in described if component.by_name[name].causality == "input" and "crate" in name]
+        assert inputs == ["box.crate.point.x", "box.crate.rotation.z"]
 
 
 def test_obstacles_of_all_kinds_go_by_their_names(tmp_path):

@@ -59,17 +59,7 @@ def test_the_schema_finds_nothing_and_every_member_is_a_variable(fmi, names, tmp
 def test_a_terminal_has_pose_velocity_and_wrench_of_its_part(tmp_path):
     text, _ = document(parts(tmp_path), tmp_path)
     found = members(text)
-    assert set(found) == {
-        "load.push",
-        "plane.press",
-        "box.block",
-        "sphere.ball",
-        "pin.hand",
-        "plane.table",
-        "probe.nose",
-        "pin.base",
-        "sensor.foot",
-    }
+    assert set(found) == {f"{kind}.{part['name']}" for kind, several in PARTS.items() for part in several}
     words = ("point", "normal", "velocity", "angular_velocity", "reaction", "torque")
     assert {f"{word}.{c}" for word in words for c in "xyz"} <= set(found["plane.press"])
     assert found["plane.press"]["reaction.z"] == "plane.press.reaction.z" and "friction" not in found["plane.press"]
