@@ -9,6 +9,7 @@ from softffd.accuracy import command as command
 from softffd.accuracy import measure as accuracy
 from softffd.accuracy import reference as accuracy_reference
 from softffd.accuracy.measure import measure
+from softffd.accuracy.rig import Rig
 
 
 @pytest.fixture
@@ -42,3 +43,19 @@ def few(monkeypatch):
     monkeypatch.setattr(
         command, "measure", lambda scene, **options: measure(scene, methods=["central_difference", "bm4"], **options | {"repeats": 1})
     )
+
+
+@pytest.fixture
+def fail_runs(monkeypatch):
+    """fail_runs(error, where): runs of a measurement raise an error where `where(scene's name, setting)` says so."""
+    plain = Rig.run
+
+    def fail(error, where=lambda _name, _setting: True) -> None:
+        def run(rig, setting, **options):
+            if where(rig.scene.name, setting):
+                raise error
+            return plain(rig, setting, **options)
+
+        monkeypatch.setattr(Rig, "run", run)
+
+    return fail

@@ -8,7 +8,6 @@ import pytest
 from measured_scenes import SMALL, table_rows
 from softffd import FmuError, load_scene
 from softffd.accuracy import command as command
-from softffd.accuracy.rig import Rig
 from softffd.cli.command import main
 
 pytestmark = pytest.mark.usefixtures("hasty")
@@ -32,64 +31,40 @@ def test_the_command_keeps_table_document_picture_and_page(folder, few, capsys):
     assert Path("out/small.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_an_interrupt_keeps_what_is_done_and_names_the_rest(folder, few, monkeypatch, capsys):
+def test_an_interrupt_keeps_what_is_done_and_names_the_rest(folder, few, fail_runs, capsys):
     for name in ("second", "third"):
         Path(f"{name}.toml").write_text(SMALL)
-    plain = Rig.run
-
-    def stopped(rig, setting, **options):
-        if rig.scene.name == "second" and setting.method == "bm4":
-            raise KeyboardInterrupt
-        return plain(rig, setting, **options)
-
-    monkeypatch.setattr(Rig, "run", stopped)
+    fail_runs(KeyboardInterrupt, lambda name, setting: name == "second" and setting.method == "bm4")
     assert main(["accuracy", "small.toml", "second.toml", "third.toml", "--quick", "-o", "out"]) == 130
     said = capsys.readouterr().err
     assert said.count("\n") == 1 and "second, third" in said and "Traceback" not in said
     document = json.loads(Path("out/accuracy.json").read_text())
-    assert [scene["complete"] for scene in document["scenes"]] == [True, False] and document["scenes_not_measured"] == {
-        "third": "interrupted"
-    }
-    assert (
-        "Not complete: second (interrupted)" in (page := Path("out/report.html").read_text())
-        and "Not measured: third (interrupted)" in page
-    )
+    assert [scene["complete"] for scene in document["scenes"]] == [True, False]
+    assert document["scenes_not_measured"] == {"third": "interrupted"}
+    page = Path("out/report.html").read_text()
+    assert "Not complete: second (interrupted)" in page and "Not measured: third (interrupted)" in page
     assert {row["scene"] for row in table_rows()} == {"small", "second"}
     assert not list(Path("out").glob(".*"))
 
 
-def test_an_interrupt_before_the_first_run_leaves_an_empty_report(folder, few, monkeypatch, capsys):
-    monkeypatch.setattr(Rig, "run", lambda *_arguments, **_options: (_ for _ in ()).throw(KeyboardInterrupt))
+def test_an_interrupt_before_the_first_run_leaves_an_empty_report(folder, few, fail_runs, capsys):
+    fail_runs(KeyboardInterrupt)
     assert main(["accuracy", "small.toml", "--quick", "-o", "out"]) == 130
     assert json.loads(Path("out/accuracy.json").read_text())["scenes_not_measured"] == {"small": "interrupted"}
     assert "small" in capsys.readouterr().err
 
 
-def test_a_scene_that_cannot_be_measured_leaves_the_others(folder, few, monkeypatch, capsys):
+def test_a_scene_that_cannot_be_measured_leaves_the_others(folder, few, fail_runs, capsys):
     Path("second.toml").write_text(SMALL)
-    plain = Rig.run
-
-    def refusing(rig, setting, **options):
-        if rig.scene.name == "small":
-            raise FmuError("the component reported an error: out of luck")
-        return plain(rig, setting, **options)
-
-    monkeypatch.setattr(Rig, "run", refusing)
+    fail_runs(FmuError("the component reported an error: out of luck"), lambda name, _setting: name == "small")
     assert main(["accuracy", "small.toml", "second.toml", "--quick", "-o", "out"]) == 1
     assert "small: the component reported an error: out of luck" in capsys.readouterr().err
     document = json.loads(Path("out/accuracy.json").read_text())
     assert [scene["scene"] for scene in document["scenes"]] == ["second"] and "out of luck" in document["scenes_not_measured"]["small"]
 
 
-def test_a_scene_in_which_no_run_succeeds_is_not_measured(folder, few, monkeypatch, capsys):
-    plain = Rig.run
-
-    def refusing(rig, setting, **options):
-        if setting.method in ("central_difference", "bm4"):
-            raise FmuError("out of luck")
-        return plain(rig, setting, **options)
-
-    monkeypatch.setattr(Rig, "run", refusing)
+def test_a_scene_in_which_no_run_succeeds_is_not_measured(folder, few, fail_runs, capsys):
+    fail_runs(FmuError("out of luck"), lambda _name, setting: setting.method in ("central_difference", "bm4"))
     assert main(["accuracy", "small.toml", "--quick", "-o", "out"]) == 1
     assert "small: no run succeeded; the last: out of luck" in capsys.readouterr().err and not table_rows()
 

@@ -13,6 +13,8 @@ from softffd.accuracy.rig import Rig, Setting
 
 pytestmark = pytest.mark.usefixtures("hasty")
 
+TOUCHING = SMALL + '[[plane]]\nname = "ground"\npoint = [0.0, 0.0, -0.01]\n'
+
 
 def test_leapfrog_and_the_published_scheme_show_their_order_against_a_confirmed_reference(folder):
     records = measure(load_scene("small.toml"), methods=["central_difference", "leapfrog"], quick=True, repeats=1)
@@ -44,7 +46,7 @@ def test_settings_go_from_coarse_to_fine():
 
 
 def test_scenes_with_obstacles_leave_out_what_would_be_leapfrog_and_are_unconfirmed(folder):
-    Path("touching.toml").write_text(SMALL + '[[plane]]\nname = "ground"\npoint = [0.0, 0.0, -0.01]\n')
+    Path("touching.toml").write_text(TOUCHING)
     records = measure(load_scene("touching.toml"), quick=True, repeats=1)
     assert set(records.names()) <= {"auto", "central_difference", "leapfrog"} and "bm4" in records.left_out
     assert not records.reference.confirmed and "unconfirmed" in str(records.reference)
@@ -76,33 +78,22 @@ def test_sdirk2_shows_its_order_on_a_damped_body_in_contact(folder, monkeypatch)
     assert all(run.steps == round(records.stop_time / run.setting.step) and run.error > 30 * records.reference.uncertainty for run in runs)
 
 
-def test_a_method_is_left_out_where_another_takes_its_steps_for_internal_damping(folder):
+LEFT_OUT = [
+    ("flying", {"central_difference": "leapfrog", "bm4": "dop853", "rkn12": "dop853", "sdirk2": "beside obstacles"}, ["ros34pw2"]),
+    ("rubber", {"central_difference": "as leapfrog"}, ["sdirk2"]),
+    ("touching", {"sdirk2": "internal damping", "backward_euler": "rebound"}, []),
+    ("small", {"backward_euler": "rebound"}, []),  # where it loses nothing it is `auto`, which would then be its own best rival
+    ("driven", {"rkn12": "damping"}, ["dop853"]),
+]
+
+
+@pytest.mark.parametrize("scene, others, left", LEFT_OUT, ids=[scene for scene, *_ in LEFT_OUT])
+def test_methods_are_left_out_where_they_are_not_defined_or_another_takes_their_steps(folder, scene, others, left):
     Path("rubber.toml").write_text(RUBBER)
     Path("flying.toml").write_text(RUBBER.replace("[[plane]]", "#").replace("name = ", "#").replace("friction = ", "#"))
-    others = {"central_difference": "leapfrog", "bm4": "dop853", "rkn12": "dop853", "sdirk2": "beside obstacles"}
-    records = measure(load_scene("flying.toml"), methods=[*others, "ros34pw2"], quick=True, repeats=1)
-    assert records.names() == ["ros34pw2"] and all(why in records.left_out[method] for method, why in others.items())
-    records = measure(load_scene("rubber.toml"), methods=["central_difference", "sdirk2"], quick=True, repeats=1)
-    assert records.names() == ["sdirk2"] and "as leapfrog" in records.left_out["central_difference"]
-
-
-def test_sdirk2_is_left_out_without_internal_damping(folder):
-    Path("touching.toml").write_text(SMALL + '[[plane]]\nname = "ground"\npoint = [0.0, 0.0, -0.01]\n')
-    records = measure(load_scene("touching.toml"), methods=["sdirk2"], quick=True, repeats=1)
-    assert records.names() == [] and "internal damping" in records.left_out["sdirk2"]
-
-
-def test_rkn12_is_left_out_where_there_is_damping(folder):
-    records = measure(load_scene("driven.toml"), methods=["rkn12", "dop853"], quick=True, repeats=1)
-    assert records.names() == ["dop853"] and "damping" in records.left_out["rkn12"]
-
-
-def test_a_method_that_is_auto_but_for_impacts_is_left_out_everywhere(folder):
-    """Where it loses nothing it is `auto`, which would then be its own best rival."""
-    Path("touching.toml").write_text(SMALL + '[[plane]]\nname = "ground"\npoint = [0.0, 0.0, -0.01]\n')
-    for scene in ("small.toml", "touching.toml"):
-        records = measure(load_scene(scene), methods=["backward_euler"], quick=True, repeats=1)
-        assert records.names() == [] and "rebound" in records.left_out["backward_euler"]
+    Path("touching.toml").write_text(TOUCHING)
+    records = measure(load_scene(f"{scene}.toml"), methods=[*others, *left], quick=True, repeats=1)
+    assert records.names() == left and all(why in records.left_out[method] for method, why in others.items())
 
 
 def test_an_unknown_method_is_refused(folder):
@@ -110,15 +101,9 @@ def test_an_unknown_method_is_refused(folder):
         measure(load_scene("small.toml"), methods=["leapfrg"])
 
 
-def test_a_failing_run_is_a_record_with_its_message_and_the_next_ones_still_count(folder, monkeypatch):
-    plain = Rig.run
-
-    def failing(rig, setting, **options):
-        if setting.method == "leapfrog" and setting.step > 1e-3:
-            raise FmuError("the component reported an error: out of luck")
-        return plain(rig, setting, **options)
-
-    monkeypatch.setattr(Rig, "run", failing)
+def test_a_failing_run_is_a_record_with_its_message_and_the_next_ones_still_count(folder, fail_runs):
+    error = FmuError("the component reported an error: out of luck")
+    fail_runs(error, lambda _name, setting: setting.method == "leapfrog" and setting.step > 1e-3)
     records = measure(load_scene("small.toml"), methods=["leapfrog"], quick=True, repeats=1)
     assert records.runs[0].failure.endswith("out of luck") and records.good("leapfrog")
 

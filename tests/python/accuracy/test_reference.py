@@ -9,6 +9,8 @@ from softffd import FmuError
 from softffd.accuracy.reference import find_reference
 from softffd.accuracy.rig import Run
 
+ALL = ("leapfrog", "bm4", "rkn12", "dop853")
+
 
 @dataclass
 class MadeUpRig:
@@ -38,18 +40,18 @@ class MadeUpRig:
 
 
 def test_two_adaptive_methods_confirm_each_other():
-    reference = find_reference(MadeUpRig(("leapfrog", "bm4", "rkn12", "dop853")))
+    reference = find_reference(MadeUpRig(ALL))
     assert reference.confirmed and reference.method.startswith("dop853") and reference.check.startswith("rkn12")
     assert reference.uncertainty == pytest.approx(2e-13 * np.sqrt(3) / 2, rel=1e-2)  # 1e-13 to either side, of a box of 2 m
 
 
 def test_a_damped_scene_is_confirmed_by_an_extrapolated_splitting_method():
-    reference = find_reference(MadeUpRig(("leapfrog", "bm4", "rkn12", "dop853"), damped=True))
+    reference = find_reference(MadeUpRig(ALL, damped=True))
     assert reference.confirmed and reference.check.startswith("bm4") and reference.uncertainty < 1e-12
 
 
 def test_internal_damping_is_confirmed_by_leapfrog_as_bm4_would_be_dop853_again():
-    reference = find_reference(MadeUpRig(("leapfrog", "bm4", "rkn12", "dop853"), damped=True, dashpots=True))
+    reference = find_reference(MadeUpRig(ALL, damped=True, dashpots=True))
     assert reference.method.startswith("dop853") and reference.check.startswith("leapfrog")
 
 

@@ -164,20 +164,18 @@ def test_a_film_shows_the_lattice_when_asked_for_it_and_by_default_where_there_i
 
 
 def test_what_cannot_be_is_refused(thrown, pressed, tmp_path):
-    wrong = [
-        ("wanted a number > 0", {"tolerance": 0.0}), ("wanted one number, got '1e-3'", {"tolerance": "1e-3"}),
-        ("single precision", {"tolerance": 1e-9}), *[("whole number of at least 2", {"frames": frames}) for frames in (0, 1, 2.5, "5")],
-    ]  # fmt: skip
-    for said, keys in wrong:
-        with pytest.raises(SoftffdError, match=said):
-            thrown.export(tmp_path / "run.glb", **keys)
-    with pytest.raises(SoftffdError, match="and with glb, got"):
-        thrown.export(tmp_path / "run.pc2", tolerance=1e-3)
-    with pytest.raises(SoftffdError, match="lattice: wanted with gif, mp4, which are drawn, got pc2"):
-        thrown.export(tmp_path / "run.pc2", lattice=False)
     blind = replace(pressed, positions=np.full_like(pressed.positions, np.nan))
-    with pytest.raises(SoftffdError, match="were not recorded"):
-        blind.export(tmp_path / "run.glb")
+    for run, kind, keys, said in (
+        (thrown, "glb", {"tolerance": 0.0}, "wanted a number > 0"),
+        (thrown, "glb", {"tolerance": "1e-3"}, "wanted one number, got '1e-3'"),
+        (thrown, "glb", {"tolerance": 1e-9}, "single precision"),
+        *[(thrown, "glb", {"frames": frames}, "whole number of at least 2") for frames in (0, 1, 2.5, "5")],
+        (thrown, "pc2", {"tolerance": 1e-3}, "and with glb, got"),
+        (thrown, "pc2", {"lattice": False}, "lattice: wanted with gif, mp4, which are drawn, got pc2"),
+        (blind, "glb", {}, "were not recorded"),
+    ):
+        with pytest.raises(SoftffdError, match=said):
+            run.export(tmp_path / f"run.{kind}", **keys)
     assert os.listdir(tmp_path) == []
 
 

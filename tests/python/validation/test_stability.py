@@ -83,14 +83,7 @@ def test_lost_case_is_slow_or_wrong():
 
 @pytest.mark.parametrize(
     "measured, bound, verdict",
-    [
-        (0.9, None, "right"),
-        (1.1, None, "WRONG"),
-        (1.1, 2.0, "bounded"),
-        (2.1, 2.0, "WRONG"),
-        (math.nan, 2.0, "WRONG"),
-        (math.inf, 2.0, "WRONG"),
-    ],
+    [(0.9, None, "right"), (1.1, 2.0, "bounded"), *[(each, 2.0, "WRONG") for each in (2.1, math.nan, math.inf)], (1.1, None, "WRONG")],
 )
 def test_verdict_of_a_check(measured, bound, verdict):
     assert Check("error", measured, 1.0, bound).verdict == verdict
