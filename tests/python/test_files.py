@@ -20,11 +20,14 @@ def test_what_is_written_replaces_what_was_there(tmp_path):
 
 
 @pytest.mark.parametrize("fault", [ValueError, KeyboardInterrupt])
-def test_an_interrupted_write_leaves_the_old_file_and_nothing_beside_it(tmp_path, fault):
+def test_an_interrupted_write_or_block_leaves_the_old_file_and_nothing_beside_it(tmp_path, fault):
     path = tmp_path / "result.npz"
     path.write_text("old")
     with pytest.raises(fault), replacing(path) as stream:
         stream.write(b"half of the n")
+        raise fault
+    with pytest.raises(fault), appearing_in(tmp_path) as place:
+        (place / "run.pvd").write_text("half")
         raise fault
     assert path.read_text() == "old" and os.listdir(tmp_path) == ["result.npz"]
 
@@ -42,30 +45,15 @@ def test_files_of_a_block_appear_together_in_place_of_those_of_their_names(tmp_p
     assert sorted(os.listdir(tmp_path)) == ["run.pvd", "series"]
 
 
-@pytest.mark.parametrize("fault", [ValueError, KeyboardInterrupt])
-def test_of_a_block_that_fails_no_file_appears(tmp_path, fault):
-    with pytest.raises(fault), appearing_in(tmp_path) as place:
-        (place / "run.pvd").write_text("half")
-        raise fault
-    assert os.listdir(tmp_path) == []
-
-
-def test_while_it_is_written_the_old_file_is_there(tmp_path):
-    path = tmp_path / "result.csv"
-    path.write_text("old")
-    with replacing(path) as stream:
-        stream.write(b"new")
-        stream.flush()
-        assert path.read_text() == "old"
-    assert path.read_text() == "new"
-
-
-def test_who_reads_the_old_file_reads_it_to_its_end(tmp_path):
+def test_while_it_is_written_the_old_file_is_there_and_who_reads_it_reads_it_to_its_end(tmp_path):
     path = tmp_path / "result.csv"
     path.write_text("old")
     with path.open() as reader:
-        write_text(path, "new")
-        assert reader.read() == "old"
+        with replacing(path) as stream:
+            stream.write(b"new")
+            stream.flush()
+            assert path.read_text() == "old"
+        assert path.read_text() == "new" and reader.read() == "old"
 
 
 def test_a_new_file_has_the_rights_of_any_new_file(tmp_path):

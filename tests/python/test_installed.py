@@ -19,16 +19,13 @@ def with_wasm(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_no_fmu_contains_the_library_for_web_pages(with_wasm, tmp_path, fmi):
+def test_no_fmu_contains_the_library_for_web_pages_nor_can_be_asked_to(with_wasm, tmp_path, fmi):
     with ZipFile(package_fmu(load_scene("press"), tmp_path / "press.fmu", fmi=fmi)) as archive:
         binaries = [name for name in archive.namelist() if name.startswith("binaries/")]
     assert len(binaries) == 1 and "wasm" not in binaries[0]
     assert installed.wasm_library().read_bytes() == b"for pages"
-
-
-def test_no_fmu_can_be_asked_to(with_wasm, tmp_path):
     with pytest.raises(SoftffdError, match="platform wasm32-wasi: that library is for web pages, no FMU contains it; wanted one of "):
-        package_fmu("press", tmp_path / "press.fmu", platforms=["wasm32-wasi"])
+        package_fmu("press", tmp_path / "press.fmu", platforms=["wasm32-wasi"], fmi=fmi)
 
 
 def test_where_it_is_missing_what_makes_it_is_named(with_wasm):

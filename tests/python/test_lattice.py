@@ -16,9 +16,6 @@ def test_i_runs_fastest_then_j_then_k():
     assert list(all_points(COUNTS))[:4] == [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0)]
     assert [flat_index(*point) for point in all_points(COUNTS)] == list(range(24))
     assert [point_at(p, COUNTS) for p in range(24)] == list(all_points(COUNTS))
-
-
-def test_the_grid_of_indices_holds_them_at_their_points():
     grid = index_grid(COUNTS)
     assert grid.shape == COUNTS and all(grid[point] == flat_index(*point) for point in all_points(COUNTS))
 

@@ -7,17 +7,18 @@ from softffd.errors import FmuError, MeshError, SoftffdError
 from softffd.spelling import did_you_mean, nearest_of, one_number, whole_number
 
 
-@pytest.mark.parametrize("given, nearest", [("stifness", "stiffness"), ("STIFNESS", "stiffness"), ("-z", "z-"), ("unrelated", None)])
-def test_the_nearest_word_is_near_in_spelling_or_has_the_same_letters(given, nearest):
-    assert nearest_of(given, ["stiffness", "damping", "z-"]) == nearest
-
-
-def test_the_choice_keeps_its_own_capitals():
-    assert nearest_of("solver.Method", ["Solver.method"]) == "Solver.method"
-
-
-def test_no_nearest_word_is_no_question():
-    assert did_you_mean(None) == "" and did_you_mean("press") == ', did you mean "press"?'
+@pytest.mark.parametrize(
+    "given, nearest, question",
+    [
+        ("stifness", "stiffness", ', did you mean "stiffness"?'),
+        ("STIFNESS", "stiffness", ', did you mean "stiffness"?'),
+        ("solver.Method", "Solver.method", ', did you mean "Solver.method"?'),
+        ("-z", "z-", ', did you mean "z-"?'),
+        ("unrelated", None, ""),
+    ],
+)
+def test_the_nearest_word_is_near_in_spelling_or_has_the_same_letters_and_keeps_its_capitals(given, nearest, question):
+    assert nearest_of(given, ["stiffness", "damping", "z-", "Solver.method"]) == nearest and did_you_mean(nearest) == question
 
 
 @pytest.mark.parametrize("value", [2, 2.0, np.float32(2), np.array(2), True + True])
