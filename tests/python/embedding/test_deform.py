@@ -144,27 +144,25 @@ def test_a_box_rounded_to_six_digits_still_holds_its_mesh():
     np.testing.assert_allclose(moved, points, atol=2e-6)
 
 
-def test_patches_want_whole_ones():
-    with pytest.raises(ValueError, match=r'lattice.points: wanted 4, 7, 10, .. or 31 along each axis of "patches", got \(4, 5, 4\)'):
-        deform(cloud(), rest_grid((4, 5, 4)), origin=ORIGIN, size=SIZE, basis="patches")
-
-
-def test_points_that_are_not_numbers_are_refused():
+def test_points_that_are_not_numbers_and_a_flat_box_are_refused():
     points = cloud()
     points[3, 1] = np.nan
     with pytest.raises(MeshError, match=r"1 of the 200 points are not finite; the first is number 3 .* Wanted finite"):
         Embedding(points, ORIGIN, SIZE, (4, 4, 4))
-
-
-def test_a_flat_box_is_refused():
     with pytest.raises(MeshError, match=r"lattice\.size: wanted three sides > 0 m, got \[2, 0, 1\.3\]"):
         Embedding(cloud(), ORIGIN, [2.0, 0.0, 1.3], (4, 4, 4))
 
 
-@pytest.mark.parametrize("shape", [(64, 3), (4, 4, 4), (4, 4, 4, 2), (4, 4, 33, 3), (1, 4, 4, 3)])
-def test_wrong_shapes_of_control_points_are_refused(shape):
-    with pytest.raises(ValueError, match="wanted"):
-        deform(cloud(), np.zeros(shape), origin=ORIGIN, size=SIZE)
+@pytest.mark.parametrize(
+    "shape, basis, words",
+    [
+        *[(shape, "bezier", "wanted") for shape in ((64, 3), (4, 4, 4), (4, 4, 4, 2), (4, 4, 33, 3), (1, 4, 4, 3))],
+        ((4, 5, 4, 3), "patches", r'lattice.points: wanted 4, 7, 10, .. or 31 along each axis of "patches", got \(4, 5, 4\)'),
+    ],
+)
+def test_wrong_shapes_of_control_points_are_refused(shape, basis, words):
+    with pytest.raises(ValueError, match=words):
+        deform(cloud(), np.zeros(shape), origin=ORIGIN, size=SIZE, basis=basis)
 
 
 def test_an_embedding_refuses_another_lattice():

@@ -210,10 +210,13 @@ def test_seams_of_the_texture_do_not_weigh_twice_and_vertices_without_faces_weig
     np.testing.assert_array_equal(found, [expected, expected])
 
 
-def test_uniform_masses_are_equal_and_need_no_mesh():
-    found = point_masses("uniform", counts=(3, 4, 5), origin=[0, 0, 0], size=[1, 1, 1], mesh=None, total=6.0)
-    np.testing.assert_array_equal(found.mass, 6.0 / 60)
+def test_uniform_masses_are_equal_need_no_mesh_and_are_those_of_a_share_of_one():
+    whole = {"counts": (4, 3, 5), "origin": [5, 6, 7], "size": [2, 0.5, 3], "mesh": None}
+    found = point_masses("uniform", **whole, total=6.0)
+    np.testing.assert_array_equal(found.mass, np.full(60, 6.0 / 60))
     np.testing.assert_array_equal(found.shift, 0.0)
+    np.testing.assert_allclose(point_masses("uniform", **whole, density=30.0).mass, np.full(60, 90.0 / 60), rtol=1e-14)
+    np.testing.assert_allclose(masses("surface", wedge(), uniform_share=1.0).mass, 1 / 64, rtol=1e-15)
 
 
 @pytest.mark.parametrize("distribution", ["vertices", "surface", "volume"])
@@ -225,10 +228,6 @@ def test_the_uniform_share_moves_the_centre_of_mass_by_the_shift(distribution):
     assert found.shift == pytest.approx(0.1 * (mesh.bounds.mean(axis=0) - before), abs=1e-14)
     assert found.mass.sum() == pytest.approx(1.0, rel=1e-14)
     assert found.mass.min() >= 0.1 / 64
-
-
-def test_a_share_of_one_is_uniform():
-    np.testing.assert_allclose(masses("surface", wedge(), uniform_share=1.0).mass, 1 / 64, rtol=1e-15)
 
 
 def test_density_makes_the_total_of_the_volume():
@@ -281,11 +280,6 @@ def test_an_open_mesh_has_no_volume():
     with pytest.raises(SoftffdError, match="not closed"):
         masses("surface", leaky, total=None, density=1.0)
     assert masses("surface", leaky).mass.sum() == pytest.approx(1.0)
-
-
-def test_density_without_a_mesh_fills_the_box():
-    found = point_masses("uniform", density=30.0, counts=(4, 3, 5), origin=[5, 6, 7], size=[2, 0.5, 3], mesh=None)
-    np.testing.assert_allclose(found.mass, np.full(60, 90.0 / 60), rtol=1e-14)
 
 
 def test_a_mesh_outside_the_box_is_refused():

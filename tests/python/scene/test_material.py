@@ -19,14 +19,11 @@ def masses(**document):
     return to_grid(scene_masses(scene).mass[:, None], scene.lattice.points)[..., 0]
 
 
-def test_a_modulus_has_no_stiffness_no_drag_and_the_box_for_its_mass():
+def test_a_modulus_has_no_stiffness_no_drag_and_the_box_for_its_mass_and_without_one_they_are_those_of_springs():
     scene = scene_from({"material": RUBBER, "mass": {"density": 1100.0}})
     assert scene.material.stiffness is None and scene.material.damping == 0 and scene.material.internal_damping == 0
     assert scene.mass.distribution == "box" and scene.mass.uniform_share == 0
     assert scene_from({"material": RUBBER | {"damping": 0.3}, "mass": {"distribution": "uniform"}}).material.damping == 0.3
-
-
-def test_without_a_modulus_the_defaults_are_those_of_springs():
     scene = scene_from({"material": {"internal_damping": 1e-3}})
     assert scene.material.stiffness.model_dump() == {"edge": 1e3, "face": 1e3, "body": 1e3} and scene.material.damping == 0.01
     assert (scene.mass.distribution, scene.mass.uniform_share) == ("uniform", 0.1)

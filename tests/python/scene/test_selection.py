@@ -15,13 +15,18 @@ def flat(i, j, k, counts=COUNTS):
     return i + counts[0] * (j + counts[1] * k)
 
 
-def test_all_is_every_point_in_ascending_order():
-    assert selected("all").tolist() == list(range(24))
-
-
-def test_none_is_empty_and_still_an_index_array():
-    assert selected("none").shape == (0,) and selected("none").dtype == np.int64
-    assert selected([]).shape == (0,) and selected([]).dtype == np.int64
+@pytest.mark.parametrize(
+    "raw, points",
+    [
+        *[(everything, range(24)) for everything in ("all", {})],
+        *[(nothing, []) for nothing in ("none", [])],
+        ([[3, 2, 1], [0, 0, 0], [1, 0, 1]], [flat(3, 2, 1), 0, flat(1, 0, 1)]),
+        ({"i": [1, 2], "k": [1, 1]}, sorted(flat(i, j, 1) for i in (1, 2) for j in range(3))),
+    ],
+)
+def test_a_list_keeps_its_order_ranges_include_both_ends_and_an_absent_axis_is_all_of_it(raw, points):
+    found = selected(raw)
+    assert found.tolist() == list(points) and found.dtype == np.int64 and found.ndim == 1
 
 
 @pytest.mark.parametrize("face", FACES)
@@ -31,25 +36,19 @@ def test_a_face_holds_the_points_at_its_end_of_the_axis(face):
     assert selected(face).tolist() == [flat(*point) for point in everything if point[axis] == end]
 
 
-def test_a_list_keeps_its_order():
-    assert selected([[3, 2, 1], [0, 0, 0], [1, 0, 1]]).tolist() == [flat(3, 2, 1), 0, flat(1, 0, 1)]
+LIMITS = r"4 x 3 x 2 lattice \(i 0..3, j 0..2, k 0..1\), got"
 
 
-def test_ranges_include_both_ends_and_an_absent_axis_is_all_of_it():
-    expected = sorted(flat(i, j, k) for i in (1, 2) for j in range(3) for k in (1,))
-    assert selected({"i": [1, 2], "k": [1, 1]}).tolist() == expected
-    assert selected({}).tolist() == list(range(24))
-
-
-@pytest.mark.parametrize("raw", [[[4, 0, 0]], [[0, 0, 0], [0, 3, 0]], {"i": [0, 4]}, {"k": [2, 2]}])
-def test_a_selection_outside_the_lattice_names_the_limits(raw):
-    with pytest.raises(ValueError, match=r"4 x 3 x 2 lattice \(i 0..3, j 0..2, k 0..1\), got"):
+@pytest.mark.parametrize(
+    "raw, words",
+    [
+        *[(outside, LIMITS) for outside in ([[4, 0, 0]], [[0, 0, 0], [0, 3, 0]], {"i": [0, 4]}, {"k": [2, 2]})],
+        ([[1, 1, 1], [0, 0, 0], [1, 1, 1]], r"once, got \[1, 1, 1\] again"),
+    ],
+)
+def test_points_outside_the_lattice_or_named_twice_are_refused(raw, words):
+    with pytest.raises(ValueError, match=words):
         selected(raw)
-
-
-def test_a_point_named_twice_is_refused():
-    with pytest.raises(ValueError, match=r"once, got \[1, 1, 1\] again"):
-        selected([[1, 1, 1], [0, 0, 0], [1, 1, 1]])
 
 
 @pytest.mark.parametrize("raw", ["top", 3, [[0, 0]], [0, 0, 0], [[0, 0, -1]], [[0, 0, 1.0]], {"i": 1}, {"i": [2, 1]}, {"x": [0, 1]}])
