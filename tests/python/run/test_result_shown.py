@@ -74,16 +74,13 @@ def test_what_cannot_be_plotted_is_refused(result, asked, words):
         result.plot(**asked)
 
 
-def test_pages_without_a_path_are_temporary_files(tmp_path, monkeypatch, opened):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    first, second = made_up_run().view(), made_up_run().view()
-    assert first != second and first.is_relative_to(tmp_path) and second.is_file() and len(opened) == 2
-
-
-def test_view_writes_the_page_and_opens_it(tmp_path, opened):
+def test_view_writes_the_page_and_opens_it_without_a_path_as_a_temporary_file(tmp_path, monkeypatch, opened):
     page = made_up_run().view(tmp_path / "run.html")
     assert opened == [page.resolve().as_uri()] and "A soft box under a press" in page.read_text()
     assert made_up_run().view(browser=False).read_text() == page.read_text() and len(opened) == 1
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    first, second = made_up_run().view(), made_up_run().view()
+    assert first != second and first.is_relative_to(tmp_path) and second.is_file() and len(opened) == 3
 
 
 def test_without_positions_there_is_nothing_to_see(tmp_path, opened):

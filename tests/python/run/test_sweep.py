@@ -127,14 +127,6 @@ def test_an_interrupted_sweep_goes_on_where_it_was(table, tmp_path, monkeypatch,
     assert [path.name for path in tmp_path.iterdir()] == ["kept.npz"]
 
 
-def test_a_kept_sweep_is_not_continued_by_another_build_of_the_library(tmp_path, monkeypatch):
-    file = tmp_path / "kept.npz"
-    sweep(SCENE, {"mass": [1]}, outputs=[FORCE], stop_time=0.01, file=file)
-    monkeypatch.setattr("softffd.fmu.component.Component.library_hash", lambda _component: "another")
-    with pytest.raises(SoftffdError, match="holds another sweep: other library;"):
-        sweep(SCENE, {"mass": [1]}, outputs=[FORCE], stop_time=0.01, file=file)
-
-
 def test_variables_may_have_any_name(tmp_path):
     names = ("file", "allow_pickle", "a/b", "args")
     about = {"values": ["file"], "outputs": names[1:], "units": dict.fromkeys(names, ""), "title": "Names"}
@@ -143,13 +135,16 @@ def test_variables_may_have_any_name(tmp_path):
     assert loaded.values["file"].tolist() == [0, 1] and list(loaded.outputs) == list(names[1:]) and loaded.failures == table.failures
 
 
-def test_a_file_of_another_sweep_is_refused(tmp_path):
-    file = tmp_path / "kept.npz"
-    sweep(SCENE, {"mass": [1]}, outputs=[FORCE], stop_time=0.01, file=file)
+def test_a_file_of_another_sweep_or_of_another_build_of_the_library_is_refused(tmp_path, monkeypatch):
+    file, asked = tmp_path / "kept.npz", {"stop_time": 0.01, "file": tmp_path / "kept.npz"}
+    sweep(SCENE, {"mass": [1]}, outputs=[FORCE], **asked)
     with pytest.raises(SoftffdError, match="holds another sweep: other values, outputs;"):
-        sweep(SCENE, {"mass": [2]}, outputs=[STEPS], stop_time=0.01, file=file)
+        sweep(SCENE, {"mass": [2]}, outputs=[STEPS], **asked)
     with pytest.raises(SoftffdError, match="other fmu, inputs;"):
-        sweep(SCENE.replace({"material.damping": 0.3}), {"mass": [1]}, outputs=[FORCE], stop_time=0.01, file=file, inputs=COURSE)
+        sweep(SCENE.replace({"material.damping": 0.3}), {"mass": [1]}, outputs=[FORCE], inputs=COURSE, **asked)
+    monkeypatch.setattr("softffd.fmu.component.Component.library_hash", lambda _component: "another")
+    with pytest.raises(SoftffdError, match="holds another sweep: other library;"):
+        sweep(SCENE, {"mass": [1]}, outputs=[FORCE], **asked)
     file.write_text("nothing")
     with pytest.raises(SoftffdError, match="damaged, or no sweep that softffd wrote"):
         sweep(SCENE, {"mass": [1]}, file=file)
@@ -177,6 +172,8 @@ def test_a_file_of_another_sweep_is_refused(tmp_path):
         *[({"mass": [1]}, {"jobs": wrong}, "jobs: wanted a whole number of at least 1") for wrong in (0, "2", 1.5)],
         ({"mass": [1]}, {"file": "kept.csv"}, r'wanted a file name ending in \.npz, did you mean "kept\.csv\.npz"'),
         ({"mass": [1]}, {"outputs": 5}, "5: wanted an output of the FMU"),
+        ({"mass": [1, 2]}, {"start_values": {"mass": 3}}, "mass: is varied, so that its start value would be lost"),
+        ({"solver.method": [1.5, 2.5]}, {}, r"solver\.method: wanted an integer, got 1\.5"),
     ],
 )
 def test_wrong_questions_are_refused_before_the_first_run(vary, options, words):
@@ -333,11 +330,6 @@ def test_an_fmu_is_swept_as_its_scene_is(table, tmp_path, monkeypatch):
     softffd.package_fmu(SCENE, "pressed.fmu")
     packed = sweep("pressed.fmu", VARY, outputs=[FORCE], jobs=2)
     assert np.array_equal(packed.outputs[FORCE], table.outputs[FORCE])
-
-
-def test_a_start_value_of_what_is_varied_is_refused():
-    with pytest.raises(FmuError, match="mass: is varied, so that its start value would be lost"):
-        sweep(load_scene("press"), {"mass": [1, 2]}, start_values={"mass": 3})
 
 
 def test_tolerance_and_method_are_those_of_simulate():

@@ -72,14 +72,10 @@ def test_a_patch_that_is_narrower_than_three_cells_is_told_once(counts, cells, n
         assert f"contact is narrower than 3 cells (ground: {cells:.2g}" in found["findings"][0]
 
 
-def test_a_run_that_touches_nothing_has_no_patch():
+def test_a_patch_without_width_is_a_point_or_a_line_and_a_run_that_touches_nothing_has_none():
     result = made_up_run()
     still = replace(result, outputs={name: 0 * values for name, values in result.outputs.items()})
     assert narrow_contact(still) == {"findings": []}
-
-
-def test_a_patch_without_width_is_a_point_or_a_line():
-    result = made_up_run()
     lifted = result.positions.copy()
     lifted[:, 1:, ..., 2] += 0.1
     assert "(ground: a point or a line" in narrow_contact(replace(result, positions=lifted))["findings"][0]
