@@ -11,6 +11,8 @@ import shutil
 import subprocess
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -196,3 +198,18 @@ class Browser:
     def __exit__(self, *_):
         if _running.get(self._flags) is self._chromium:
             self("Page.navigate", url="about:blank")
+
+
+RUN_SHOWN = "typeof shown !== 'undefined' && shown !== null"
+LIVE = "typeof source === 'object' && !!now.outputs"
+"""What is true as soon as the page of a run is drawn, or a live page runs"""
+
+
+@contextmanager
+def showing(page: Path, *flags: str, ready: str = RUN_SHOWN, **window) -> Iterator[Browser]:
+    """A page once it is ready; in the end its scripts have had no error."""
+    require_browser()
+    with Browser(page, *flags, **window) as browser:
+        browser.wait_for(ready)
+        yield browser
+        assert not browser.errors

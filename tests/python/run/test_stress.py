@@ -82,15 +82,9 @@ def test_a_cell_that_is_turned_inside_out_has_no_stress():
 
 
 def pulled():
-    return box(
-        lattice={"points": [7, 4, 4], "size": [0.2, 0.1, 0.1]},
-        material={"youngs_modulus": 1e5, "damping": 0.2},
-        mass={"density": 1000.0},
-        pin=[{"name": "wall", "points": "x-"}],
-        load=[{"name": "pull", "points": "x+"}],
-        stop_time=1.0,
-        communication_step=0.05,
-    )
+    bar = {"lattice": {"points": [7, 4, 4], "size": [0.2, 0.1, 0.1]}, "mass": {"density": 1000.0}}
+    ends = {"pin": [{"name": "wall", "points": "x-"}], "load": [{"name": "pull", "points": "x+"}]}
+    return box(**bar, **ends, material={"youngs_modulus": 1e5, "damping": 0.2}, stop_time=1.0, communication_step=0.05)
 
 
 def test_a_bar_carries_its_load_through_every_section():

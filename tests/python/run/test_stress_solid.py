@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from scenes import box
 from softffd import simulate
 from softffd.lattice import LatticeBox
 from softffd.run.stress import green_strain, lattice_gradients, lattice_stress, solid_stress
 from softffd.scene.scene import scene_from
+from solids import solid
 
 COUNTS, SIZE = (7, 4, 10), (0.3, 0.22, 0.36)
 LATTICE = LatticeBox(COUNTS, (0.0, 0.0, 0.0), SIZE, "patches")
@@ -124,16 +124,9 @@ def test_the_material_is_the_scenes_unless_the_run_had_another():
 def test_a_bar_carries_its_load_through_every_section():
     """A run: sections of the first stress have the load but for what cubes of strain miss between the centres, and a quarter of the way
     from the wall the bar is pulled as it would be alone."""
-    bar = box(
-        lattice={"points": [13, 4, 4], "size": [0.4, 0.1, 0.1]},
-        material={"model": "solid", "youngs_modulus": 1e5, "poissons_ratio": 0.3, "damping": 0.3},
-        mass={"density": 1000.0},
-        pin=[{"name": "wall", "points": "x-"}],
-        load=[{"name": "pull", "points": "x+"}],
-        solver={"method": "leapfrog"},
-        stop_time=6.0,
-        communication_step=0.1,
-    )
+    ends = {"pin": [{"name": "wall", "points": "x-"}], "load": [{"name": "pull", "points": "x+"}]}
+    keys = {"modulus": 1e5, "ratio": 0.3, "density": 1000.0, "size": [0.4, 0.1, 0.1], "damping": 0.3}
+    bar = solid([13, 4, 4], **keys, **ends, method="leapfrog", stop_time=6.0, communication_step=0.1)
     result = simulate(bar, inputs=lambda _time: {"load.pull.x": 1.0})
     stress, gradient = result.stress(), lattice_gradients(result.positions[-1], result.lattice)
     first = np.linalg.det(gradient)[..., None, None] * stress @ np.swapaxes(np.linalg.inv(gradient), -1, -2)

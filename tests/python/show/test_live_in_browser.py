@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from browser import Browser, require_browser
+from browser import LIVE, Browser, showing
 from pages import assert_shown
 from softffd import load_scene, simulate
 from softffd.cli.keep import run_scene_or_fmu
@@ -20,16 +20,6 @@ ON_SCREEN = """(at => { const m = camera_matrix(camera_frame());
 PRESS = "bodies[0].planes.find(plane => plane.name === 'press').now"
 EDGE = f"plus({PRESS}.centre, 0.95 * {PRESS}.extent[0] * {PRESS}.reach, {PRESS}.tangent)"
 HEIGHT = "now.parts[live.open.parts.findIndex(part => part.label === 'press')][2]"
-
-
-@pytest.fixture(autouse=True)
-def there_is_one():
-    require_browser()
-
-
-def ready(browser: Browser) -> Browser:
-    browser.wait_for("typeof source === 'object' && !!now.outputs")
-    return browser
 
 
 def on_screen(browser: Browser, place: str) -> list[float]:
@@ -49,8 +39,7 @@ def paused(browser: Browser) -> None:
 
 
 def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, live_page):
-    with Browser(live_page("press")) as browser:
-        ready(browser)
+    with showing(live_page("press"), ready=LIVE) as browser:
         edge, lower = on_screen(browser, EDGE), on_screen(browser, f"plus({EDGE}, 0.3, {PRESS}.normal)")
         browser.drag(edge, lower)
         assert browser.ask("hand.part") is not None
@@ -96,7 +85,6 @@ def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, live_page)
         browser.ask("download = (name, blob) => { window.picture = [name, blob.size]; }, save_picture()")
         name, size = browser.wait_for("window.picture")
         assert name.endswith("s.png") and size > 10_000
-        assert not browser.errors
     result = run_scene_or_fmu("press", inputs=recording)
     assert result.time[-1] == shown["frame"]
     assert_shown(result, shown["points"], shown["centre"])
@@ -105,8 +93,7 @@ def test_mouse_keys_and_sliders_do_what_a_recording_repeats(tmp_path, live_page)
 
 
 def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, live_page):
-    with Browser(live_page("press"), width=390, height=844, mobile=True) as browser:
-        ready(browser)
+    with showing(live_page("press"), ready=LIVE, width=390, height=844, mobile=True) as browser:
         assert not browser.ask("element('panel').open")
         edge = on_screen(browser, EDGE)
         lower = [edge[0], edge[1] + 60]
@@ -123,12 +110,11 @@ def test_one_finger_drags_or_turns_and_two_pinch(tmp_path, live_page):
         browser.touch("touchStart", [30, 640])
         browser.touch("touchMove", [90, 640])
         browser.touch("touchEnd")
-        assert browser.ask("camera.yaw") < yaw and browser.ask("hand") is None and not browser.errors
+        assert browser.ask("camera.yaw") < yaw and browser.ask("hand") is None
 
 
 def test_the_car_is_crushed_by_a_finger_and_its_force_is_read_and_repeated(tmp_path, live_page):
-    with Browser(live_page("car_drop"), width=390, height=844, mobile=True) as browser:
-        ready(browser)
+    with showing(live_page("car_drop"), ready=LIVE, width=390, height=844, mobile=True) as browser:
         bumper = "run.bodies[0].planes.find(plane => plane.name === 'bumper').now"
         rim = f"plus({bumper}.centre, 0.7 * {bumper}.extent[0] * {bumper}.reach, {bumper}.tangent)"
         edge = on_screen(browser, f"plus({rim}, 0.05, {bumper}.normal)")
@@ -143,7 +129,6 @@ def test_the_car_is_crushed_by_a_finger_and_its_force_is_read_and_repeated(tmp_p
         rows = "rows: run.rows.map(row => row.at), labels: run.rows.map(row => row.label)"
         shown = browser.ask(f"({{ frame: now.frame, points: [...now.points], outputs: [...now.outputs], centre, {rows} }})")
         recording = kept_recording(browser, tmp_path)
-        assert not browser.errors
     result = run_scene_or_fmu("car_drop", inputs=recording)
     assert result.time[-1] == shown["frame"]
     assert_shown(result, shown["points"], shown["centre"])
@@ -153,8 +138,7 @@ def test_the_car_is_crushed_by_a_finger_and_its_force_is_read_and_repeated(tmp_p
 
 def test_loads_are_pulled_and_obstacles_turned_by_pointer_and_keys(tmp_path, live_page):
     scene = load_scene("press").replace({"load": [{"name": "push", "points": "x+"}]})
-    with Browser(live_page(scene), width=1000, height=700) as browser:
-        ready(browser)
+    with showing(live_page(scene), ready=LIVE, width=1000, height=700) as browser:
         browser.ask("set_playing(false)")
         browser.wait_for("asked === null && shown !== null")
         start = on_screen(browser, "place_of_load(0)")
@@ -191,7 +175,6 @@ def test_loads_are_pulled_and_obstacles_turned_by_pointer_and_keys(tmp_path, liv
         paused(browser)
         shown = browser.ask("({ frame: now.frame, points: [...now.points], centre })")
         recording = kept_recording(browser, tmp_path)
-        assert not browser.errors
     result = simulate(live_scene(scene), inputs=recording, stop_time=shown["frame"], open_end=True)
     assert_shown(result, shown["points"], shown["centre"])
 
@@ -199,8 +182,7 @@ def test_loads_are_pulled_and_obstacles_turned_by_pointer_and_keys(tmp_path, liv
 @pytest.mark.parametrize("name", ["press", "car_drop", "beam", "stiff_layer"])
 def test_colours_of_cells_are_those_of_a_run(tmp_path, live_page, name):
     """Stress and stretch of a pulled body, to a step of the 255 of the scale."""
-    with Browser(live_page(name), width=300, height=300) as browser:
-        ready(browser)
+    with showing(live_page(name), ready=LIVE, width=300, height=300) as browser:
         browser.ask("set_playing(false)")
         browser.wait_for("asked === null && element('frame').textContent === 'paused'")
         browser.ask("hand = pull(weights_at([0.9, 0.9, 0.9]), [run.radius, 0, 0]), ask({ run: now.frame + 20 * h, budget: 1e9, hand })")
@@ -208,7 +190,6 @@ def test_colours_of_cells_are_those_of_a_run(tmp_path, live_page, name):
         shares = [browser.ask(f"[...source.cells({n})]") for n in range(2)]
         cells = browser.ask("run.cells")
         recording = kept_recording(browser, tmp_path)
-        assert not browser.errors
     result = run_scene_or_fmu(name, inputs=recording)
     for each, found in zip(cells, shares, strict=True):
         low, high = each["ends"]

@@ -1,7 +1,6 @@
 import base64
 import json
 import re
-from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +8,7 @@ import pytest
 from PIL import Image
 from scipy.spatial import cKDTree
 
-from browser import Browser, require_browser
+from browser import showing
 from made_up_run import ORIGIN, SIZE, made_up_run, with_solids
 from pages import page_of_two_colours, run_of
 from softffd.embedding.basis import parameter
@@ -89,17 +88,7 @@ return answer;
 })()"""
 
 
-READY = "typeof shown !== 'undefined' && shown !== null"
 DRAWN = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))"
-
-
-@contextmanager
-def opened(page, hash):
-    require_browser()
-    with Browser(page, hash=hash) as browser:
-        browser.wait_for(READY)
-        yield browser
-        assert not browser.errors
 
 
 def colours(browser, folder, rows=slice(None), columns=slice(0, 620)):
@@ -112,7 +101,7 @@ def colours(browser, folder, rows=slice(None), columns=slice(0, 620)):
 def test_browser_draws_solids_until_obstacles_are_hidden(tmp_path):
     ball = Sphere(name="ball", radius=0.5, point=(0.0, -1.0, 0.7))
     result = replace(made_up_run(), inputs={}, parameters={})
-    with opened(write_view(with_solids(result, ball), tmp_path / "view.html"), "#t=1.2") as browser:
+    with showing(write_view(with_solids(result, ball), tmp_path / "view.html"), hash="#t=1.2") as browser:
         for shown in (True, False):
             red, green, blue = colours(browser, tmp_path, slice(80, 450), slice(50, 620))
             grey = (red > 0.3) & (red < 0.75) & (np.abs(blue - red) < 0.12) & (np.abs(green - red) < 0.08)
@@ -121,7 +110,7 @@ def test_browser_draws_solids_until_obstacles_are_hidden(tmp_path):
 
 
 def test_browser_shows_object_lattice_and_ground_and_yellow_dots_and_arrows_until_contacts_are_hidden(tmp_path):
-    with opened(write_view(made_up_run(), tmp_path / "view.html"), "#t=1.2&colour=paint") as browser:
+    with showing(write_view(made_up_run(), tmp_path / "view.html"), hash="#t=1.2&colour=paint") as browser:
         red, green, blue = colours(browser, tmp_path)
         scene = np.s_[100:500, 50:620]
         assert 0.05 < (blue - red > 0.25)[scene].mean() < 0.6 and 0.002 < (red - blue > 0.4)[scene].mean() < 0.2
@@ -139,7 +128,7 @@ def test_browser_shows_object_lattice_and_ground_and_yellow_dots_and_arrows_unti
 
 
 def test_browser_draws_short_arrows_short(tmp_path):
-    with opened(write_view(made_up_run(), tmp_path / "view.html"), "#t=1.2&colour=strain") as browser:
+    with showing(write_view(made_up_run(), tmp_path / "view.html"), hash="#t=1.2&colour=strain") as browser:
         heights = []
         for length in (1.0, 0.1):
             arrow = f"{{ places: new Float32Array(), arrows: [[[0, 0, 0], [0, 0, {length}]]] }}"
@@ -157,7 +146,7 @@ def test_browser_colours_the_cells(tmp_path, folded):
     values = base64.b64encode(bytes([0, 255] if folded else [255, 0]) * (41 * 27)).decode()
     text = re.sub(r'("positions":"[^"]*","cells":\[")[^"]*', lambda match: match[1] + values, page.read_text("utf-8"))
     page.write_text(text.replace("lattice: CAGES", "lattice: false").replace("obstacles: true", "obstacles: false"), "utf-8")
-    with opened(page, "#t=1.2&colour=von_mises") as browser:
+    with showing(page, hash="#t=1.2&colour=von_mises") as browser:
         assert "von Mises stress" in browser.ask("element('quantity').textContent")
         red, _, blue = np.median(colours(browser, tmp_path, slice(335, 350), slice(240, 300)), axis=(1, 2))
         assert abs(blue - red) < 0.08 if folded else blue - red > 0.2
@@ -172,7 +161,7 @@ def test_shader_evaluates_the_volume_its_normals_and_its_strain(tmp_path, counts
     result = made_up_run(counts=counts)
     result = replace(result, lattice=replace(result.lattice, basis=basis))
     page = write_view(result, tmp_path / "view.html")
-    with opened(page, "#t=0") as browser:
+    with showing(page, hash="#t=0") as browser:
         answers = browser.ask(ASK_THE_SHADER.replace("TIMES", json.dumps([0.0, 1.2, 1.225])))
     run = run_of(page)
     rest, normals = places_at_rest(result, run["coordinates"]), run["normals"]
@@ -218,7 +207,7 @@ def volume(rest, positions, basis):
 @pytest.mark.short("pictures.glb")
 @pytest.mark.parametrize("name", ["kd.obj", "pictures.glb"])
 def test_browser_shows_the_colours_of_the_mesh(name, tmp_path):
-    with opened(page_of_two_colours(tmp_path, name)[1], "#t=1") as browser:
+    with showing(page_of_two_colours(tmp_path, name)[1], hash="#t=1") as browser:
         red, green, blue = colours(browser, tmp_path, slice(80, 520))
     reddish, greenish = np.argwhere(red > 2 * np.maximum(green, blue)), np.argwhere(green > 1.3 * np.maximum(red, blue))
     assert len(reddish) > 3000 and len(greenish) > 3000
@@ -226,7 +215,7 @@ def test_browser_shows_the_colours_of_the_mesh(name, tmp_path):
 
 
 def test_keys_buttons_and_pointers_do_what_they_say(tmp_path):
-    with opened(write_view(made_up_run(), tmp_path / "view.html"), "#t=1") as browser:
+    with showing(write_view(made_up_run(), tmp_path / "view.html"), hash="#t=1") as browser:
         answer = browser.ask(USE_THE_CONTROLS)
     assert answer == {
         "space": [False, True, "Pause"],
@@ -245,8 +234,6 @@ def test_keys_buttons_and_pointers_do_what_they_say(tmp_path):
 
 def test_browser_without_webgl_says_what_is_missing(tmp_path):
     page = write_view(made_up_run(), tmp_path / "view.html")
-    require_browser()
-    with Browser(page, "--disable-3d-apis") as browser:
-        browser.wait_for("document.readyState === 'complete'")
+    with showing(page, "--disable-3d-apis", ready="document.readyState === 'complete'") as browser:
         assert "WebGL 2" in browser.ask("document.getElementById('message').textContent")
         assert browser.ask("['message', 'bar'].map(each => document.getElementById(each).hidden)") == [False, True]
