@@ -38,13 +38,9 @@ def test_times_factors_and_ratios_are_those_of_the_cheapest_runs():
     assert [run.cpu_time for run in records.front()] == [0.010, 0.020]
 
 
-def test_auto_is_recommended_where_it_is_close_to_the_best():
+def test_auto_is_recommended_where_it_is_close_to_the_best_and_of_equal_times_the_more_accurate_run():
     records = made_up_records()
     assert records.recommended(1e-2).name == "auto" and records.recommended(1e-4).name == "rkn12" and records.recommended(1e-8) is None
-
-
-def test_of_equal_times_the_more_accurate_run_is_recommended():
-    records = made_up_records()
     records.runs.append(Record(Setting("auto", tolerance=3e-3), "softffd", 0.0115, 3, 100, None, np.array([0.0, 1e-4, 2e-4])))
     assert records.cheapest("auto", 1e-2).setting.tolerance == 1e-2 and records.recommended(1e-2).setting.tolerance == 3e-3
 

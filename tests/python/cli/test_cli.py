@@ -138,14 +138,11 @@ def test_demo_keeps_what_it_promises(tmp_path, capsys):
     assert len(trimesh.load(tmp_path / "deformed.obj", force="mesh", process=False).vertices) >= 2000
 
 
-def test_new_writes_a_scene_that_runs(quick, capsys):
+def test_new_wants_a_name_writes_a_scene_that_runs_and_prints_a_command_to_copy(quick, capsys):
     assert main(["new", "mine"]) == 0
     assert main(["run", "mine.toml", "--stop-time", "0.05", "-o", "out", "--no-pictures"]) == 0
     assert "exists already" in refused(capsys, "new", "mine")
     assert "wanted a name in UTF-8" in refused(capsys, "new", "\udcff") and not list(Path().glob("\udcff*"))
-
-
-def test_new_wants_a_name_and_prints_a_command_to_copy(quick, capsys):
     for name in ("", ".", "..", ".toml"):
         assert "wanted the name of a scene" in refused(capsys, "new", name)
     assert main(["new", "deep/my scene"]) == main(["new", "my scene"]) == 0 and Path("deep/my scene.toml").is_file()
@@ -217,15 +214,11 @@ def test_a_mesh_is_enough_to_run_and_new_writes_the_same_scene(tmp_path, monkeyp
     np.testing.assert_array_equal(one, other)
 
 
-def test_options_of_meshes_need_one(tmp_path, monkeypatch, capsys):
+def test_options_of_meshes_need_one_and_a_mesh_in_place_of_a_scene_is_told_what_to_do(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert "--unit: wanted with a mesh file, got press" in refused(capsys, "run", "press", "--unit", "mm")
     assert "--density: wanted with --mesh FILE" in refused(capsys, "new", "mine", "--density", "5")
     assert not list(tmp_path.iterdir())
-
-
-def test_a_mesh_in_place_of_a_scene_is_told_what_to_do(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
     two_colours(tmp_path, "kd.obj")
     said = refused(capsys, "build", "kd.obj")
     assert "wanted a scene file (TOML), got a mesh; to drop it on the ground: softffd run kd.obj; " in said

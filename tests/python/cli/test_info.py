@@ -61,15 +61,11 @@ def test_variables_have_causality_unit_and_start(capsys):
     assert listed >= {*result.inputs, *result.parameters, *result.outputs}
 
 
-def test_control_points_take_one_line_unless_all_are_asked_for(capsys):
+def test_control_points_take_one_line_unless_all_are_asked_for_and_the_frames_of_pins_are_told(capsys):
     lines = info(capsys, "held.toml")
     assert any(line.startswith("position[i,j,k] .x .y .z (64 control points)  output") for line in lines)
     assert any(line.startswith("force[i,j,k] .x .y .z (2 control points)") for line in lines)
     assert len(lines) < 70  # 251 variables
-
-
-def test_the_frames_of_pins_are_told(capsys):
-    lines = info(capsys, "held.toml")
     assert "  pin base, fixed: the frame at rest is at (0, 0.5, 0.5) m with the world's axes; it holds 16 points" in lines
     assert "  pin hand, moved by its inputs: the frame at rest is at (2, 0.5, 0) m with the world's axes; it holds 2 points" in lines
 

@@ -82,14 +82,11 @@ def test_between_windows_nothing_jumps(thrown, tmp_path):
     assert steps.max() <= 0.25 * np.linalg.norm(np.diff(rows, axis=0), axis=2).max()
 
 
-def test_a_rigid_run_needs_no_shape(tmp_path):
+def test_a_rigid_run_needs_no_shape_and_one_of_a_single_row_no_animation(pressed, tmp_path):
     still = made_up_run()
     still = replace(still, positions=np.repeat(still.positions[:1], len(still.time), axis=0))
     still.export(tmp_path / "still.glb")
     assert not any("targets" in each for mesh in Glb(tmp_path / "still.glb").tree["meshes"] for each in mesh["primitives"])
-
-
-def test_a_run_of_one_row_stands_still(pressed, tmp_path):
     one = {name: {key: np.atleast_1d(value)[:1] for key, value in getattr(pressed, name).items()} for name in ("outputs", "inputs")}
     replace(pressed, time=pressed.time[:1], positions=pressed.positions[:1], **one).export(tmp_path / "one.glb")
     data = (tmp_path / "one.glb").read_bytes()

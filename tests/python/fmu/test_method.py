@@ -36,9 +36,8 @@ def with_enumeration(fmu, target):
     assert integers == 1
     with zipfile.ZipFile(fmu) as archive, zipfile.ZipFile(target, "w") as written:
         for name in archive.namelist():
-            written.writestr(name, archive.read(name)) if name != "modelDescription.xml" else written.writestr(
-                name, text.replace("<LogCategories>", types + "<LogCategories>")
-            )
+            is_description = name == "modelDescription.xml"
+            written.writestr(name, text.replace("<LogCategories>", types + "<LogCategories>") if is_description else archive.read(name))
     return target
 
 

@@ -33,13 +33,10 @@ def folders(file) -> dict[str, bytes]:
         return {name.split("/")[1]: opened.read(name) for name in opened.namelist() if name.startswith("binaries/")}
 
 
-def test_arm_alone_is_where_the_standard_and_where_importers_look(libraries, tmp_path):
+def test_arm_alone_is_where_the_standard_and_where_importers_look_and_beside_x86_in_its_own_folder(libraries, tmp_path):
     found = folders(package_fmu("press", tmp_path / "arm.fmu", platforms="aarch64-linux"))
     assert set(found) == {"aarch64-linux", "linux64"} and found["linux64"] == libraries["aarch64-linux"].read_bytes()
     assert set(folders(package_fmu("press", tmp_path / "arm3.fmu", platforms="aarch64-linux", fmi=3))) == {"aarch64-linux"}
-
-
-def test_beside_x86_each_has_its_own_folder(libraries, tmp_path):
     found = folders(package_fmu("press", tmp_path / "both.fmu"))
     assert found == {name: file.read_bytes() for name, file in libraries.items()}
 

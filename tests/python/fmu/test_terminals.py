@@ -69,12 +69,9 @@ def test_a_terminal_has_pose_velocity_and_wrench_of_its_part(tmp_path):
     assert not any(name.startswith("point") for name in found["plane.table"])  # a fixed one has its reaction only
 
 
-def test_arrays_of_fmi_3_are_members_as_a_whole(tmp_path):
+def test_arrays_of_fmi_3_are_members_as_a_whole_and_names_are_flat_where_the_variables_are(tmp_path):
     found = members(document(parts(tmp_path), tmp_path, 3)[0])
     assert found["plane.press"]["reaction"] == "plane.press.reaction" and found["load.push"] == {"value": "load.push"}
-
-
-def test_names_are_flat_where_the_variables_are(tmp_path):
     found = members(document(parts(tmp_path, "flat"), tmp_path)[0])
     assert found["plane_press"]["reaction_z"] == "plane_press_reaction_z"
 

@@ -57,12 +57,9 @@ def test_processes_make_the_same_table(table):
         assert np.array_equal(several.outputs[name], column)
 
 
-def test_by_default_all_outputs_but_those_at_control_points_are_read():
+def test_by_default_all_outputs_but_those_at_control_points_are_read_and_a_vector_means_its_components():
     names = list(sweep(SCENE, {"mass": [1]}, stop_time=0.01).outputs)
     assert FORCE in names and STEPS in names and not any("[" in name for name in names)
-
-
-def test_a_vector_means_its_components():
     table = sweep(SCENE, {"mass": [1]}, outputs=["max(plane.table.reaction)", "position[0,0,0]"], stop_time=0.01)
     assert list(table.outputs) == [*(f"max(plane.table.reaction.{c})" for c in "xyz"), *(f"position[0,0,0].{c}" for c in "xyz")]
 

@@ -83,9 +83,9 @@ def test_an_fmu_that_a_worker_cannot_open_is_told(client, monkeypatch):
     assert "swept.fmu" in table.failures[0][1]
 
 
-def test_an_executor_that_is_shut_down_is_refused():
-    with ThreadPoolExecutor(1) as executor:
-        pass
+def test_jobs_beside_an_executor_and_one_that_is_shut_down_are_refused():
+    with ThreadPoolExecutor(1) as executor, pytest.raises(SoftffdError, match="jobs: wanted without an executor"):
+        sweep(SCENE, {"mass": [1]}, jobs=2, executor=executor)
     with pytest.raises(SoftffdError, match="executor: takes no runs any more"):
         sweep(SCENE, {"mass": [1]}, outputs=[WORK], executor=executor)
 
@@ -112,11 +112,6 @@ def test_a_cluster_without_workers_is_refused(monkeypatch, capsys, tmp_path):
     with distributed.LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as made:
         assert main([*COMMAND, made.scheduler_address, "-o", str(tmp_path / "kept")]) == 1
     assert "had none for 0.1 s" in capsys.readouterr().err
-
-
-def test_jobs_are_the_executors_own():
-    with ThreadPoolExecutor(1) as executor, pytest.raises(SoftffdError, match="jobs: wanted without an executor"):
-        sweep(SCENE, {"mass": [1]}, jobs=2, executor=executor)
 
 
 def test_without_dask_its_extra_is_told(monkeypatch, capsys, tmp_path):

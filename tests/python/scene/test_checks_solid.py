@@ -151,7 +151,7 @@ def test_the_counts_named_fit_boxes_of_any_shape():
         assert fit_solid(size, found) and not any(count % 3 for count in found)
 
 
-def test_a_pin_stands_at_the_mean_of_the_nodes_it_holds():
+def test_nodes_at_joints_stand_where_patches_meet_and_a_pin_at_the_mean_of_those_it_holds():
     scene = scene_from(lattice(size=[3.0, 3.0, 3.0]) | {"pin": [{"name": "a", "points": {"i": [0, 1]}}, {"name": "b", "points": "x+"}]})
     np.testing.assert_allclose(scene.pin_origin(scene.pin[0]), [1.5 * PLACES[1], 1.5, 1.5], rtol=1e-15)
     np.testing.assert_allclose(scene.pin_origin(scene.pin[1]), [3.0, 1.5, 1.5], rtol=1e-15)
@@ -159,6 +159,8 @@ def test_a_pin_stands_at_the_mean_of_the_nodes_it_holds():
     assert nodes.shape == (64, 3)
     np.testing.assert_allclose(nodes[:4, 0], 3 * PLACES, rtol=1e-15)
     np.testing.assert_allclose(nodes.mean(axis=0), 1.5)
+    joined = scene_from(lattice(points=[7, 4, 10], size=[1.0, 1.0, 1.5]))
+    assert joined.mass_positions()[3 + 7 * (0 + 4 * 6)] == pytest.approx([0.5, 0.0, 1.0])
 
 
 def test_the_records_are_those_of_a_solid():
@@ -170,8 +172,3 @@ def test_the_records_are_those_of_a_solid():
     assert len(records["mass"]) == 7 * 16 and list(map(float, records["pin_origin"])) == pytest.approx([0.5, 0.5, 0.0])
     given = scene_records(scene_from(lattice(basis="bezier")), scene_masses(scene_from(solid())))
     assert "basis patches\n" in given
-
-
-def test_nodes_at_joints_stand_where_patches_meet():
-    scene = scene_from(lattice(points=[7, 4, 10], size=[1.0, 1.0, 1.5]))
-    assert scene.mass_positions()[3 + 7 * (0 + 4 * 6)] == pytest.approx([0.5, 0.0, 1.0])

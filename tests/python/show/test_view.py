@@ -77,15 +77,12 @@ def test_a_page_holds_what_touches_and_the_forces_on_obstacles(tmp_path):
     assert (ways[:, 2] < 0).tolist() == (result.outputs["plane.ground.reaction.z"] < -1e-3).tolist() and not ways[:, :2].any()
 
 
-def test_a_long_run_is_thinned_evenly_with_its_ends_and_says_so(tmp_path):
+def test_a_long_run_or_a_large_lattice_is_thinned_evenly_with_its_ends_and_says_so(monkeypatch, tmp_path):
     run = run_of(write_view(made_up_run(counts=(2, 2, 2), frames=2001), tmp_path / "view.html"))
     time = decoded(run["time"], "<f8", 1)[:, 0]
     assert len(time) == 600 and time[0] == 0 and time[-1] == 2
     assert np.diff(time).max() < 0.0041 and np.diff(time).min() > 0.0029
     assert run["note"] == "600 of 2,001 recorded frames are shown"
-
-
-def test_a_large_lattice_gets_fewer_frames(monkeypatch, tmp_path):
     monkeypatch.setattr(view_body, "MOST_POINT_BYTES", 12 * 8 * 10)
     assert run_of(write_view(made_up_run(counts=(2, 2, 2)), tmp_path / "v.html"))["note"].startswith("10 of 41")
 
