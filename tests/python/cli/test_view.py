@@ -24,7 +24,7 @@ def kept(tmp_path, monkeypatch):
     simulate(box(points=[2, 2, 2], title="Two", stop_time=0.02)).save("kept")
 
 
-def test_a_page_is_made_where_there_is_none_and_kept_where_there_is(opened, capsys):
+def test_a_page_is_made_where_there_is_none_and_kept_where_there_is_beside_a_folder_or_one_file(opened, capsys):
     page = Path("kept/view.html")
     assert main(["view", "kept"]) == 0 and "<title>Two</title>" in page.read_text()
     assert capsys.readouterr().out == f"{page}\n" and opened == [page.resolve().as_uri()]
@@ -32,11 +32,7 @@ def test_a_page_is_made_where_there_is_none_and_kept_where_there_is(opened, caps
     assert main(["view", "kept"]) == 0 and page.read_text() == "mine" and len(opened) == 2
     os.utime(page, (0, 0))  # older than the result
     assert main(["view", "kept"]) == 0 and "<title>Two</title>" in page.read_text()
-
-
-def test_one_file_of_a_result_has_its_page_beside_it(opened):
-    assert main(["view", "kept/result.npz"]) == 0
-    assert opened == [Path("kept/result.html").resolve().as_uri()]
+    assert main(["view", "kept/result.npz"]) == 0 and opened[-1] == Path("kept/result.html").resolve().as_uri()
 
 
 def test_a_mesh_that_lies_elsewhere_is_told_and_named(opened, tmp_path, monkeypatch, capsys):

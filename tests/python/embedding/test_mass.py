@@ -266,9 +266,11 @@ def test_a_cavity_counts_as_empty():
     assert masses("volume", hollow).mass.sum() == pytest.approx(1.0)
 
 
-def test_points_without_mass_are_refused_with_advice():
+def test_points_without_mass_and_a_mesh_outside_the_box_are_refused():
     with pytest.raises(SoftffdError, match=r"mass\.uniform_share: with 0, control point \[0, 0, 1\] .*0\.1 is usual"):
         masses("vertices", box(), uniform_share=0.0)
+    with pytest.raises(SoftffdError, match="lie outside the lattice's box"):
+        point_masses("surface", counts=(4, 4, 4), origin=[0, 0, 0], size=[1, 1, 1], mesh=wedge(), total=1.0)
 
 
 def test_an_open_mesh_has_no_volume():
@@ -280,11 +282,6 @@ def test_an_open_mesh_has_no_volume():
     with pytest.raises(SoftffdError, match="not closed"):
         masses("surface", leaky, total=None, density=1.0)
     assert masses("surface", leaky).mass.sum() == pytest.approx(1.0)
-
-
-def test_a_mesh_outside_the_box_is_refused():
-    with pytest.raises(SoftffdError, match="lie outside the lattice's box"):
-        point_masses("surface", counts=(4, 4, 4), origin=[0, 0, 0], size=[1, 1, 1], mesh=wedge(), total=1.0)
 
 
 @pytest.mark.parametrize(("name", "closed"), [("beetle.obj", False), ("spot.obj", True)])

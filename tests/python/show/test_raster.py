@@ -5,6 +5,7 @@ from softffd.show.raster import Camera, Canvas, edge_functions, fragments, share
 from softffd.show.raster_plane import Patch, draw_plane
 
 EAST, NORTH, UP = np.eye(3)
+GROUND = Patch(np.zeros(3), UP, EAST, np.zeros(3), 6.0, 100.0, (0.6, 0.6, 0.6))
 
 
 def canvas(*, eye=(0.0, -10.0, 0.0), size=100):
@@ -96,11 +97,10 @@ def test_the_solid_side_of_a_plane_is_hatched_and_hides_little():
 
 
 def test_each_surface_above_a_plane_casts_a_shadow_and_none_below_it():
-    ground = Patch(np.zeros(3), UP, EAST, np.zeros(3), 6.0, 100.0, (0.6, 0.6, 0.6))
     faces, places = np.array([[0, 1, 2], [0, 2, 3]]), np.array([[-3.0, 0.0, 0.0], [0.0, 0.0, 0.0], [3.0, 0.0, 0.0]])
     surfaces = [(np.array([[x - 1, -1, z], [x + 1, -1, z], [x + 1, 1, z], [x - 1, 1, z]], float), faces) for x, z in ((-3, 0.2), (3, -0.2))]
     drawn = canvas(eye=(0.0, -10.0, 6.0))
-    draw_plane(drawn, ground, surfaces=surfaces)
+    draw_plane(drawn, GROUND, surfaces=surfaces)
     first, middle, last = (drawn.image()[int(y) // 2, int(x) // 2].mean() for x, y, _ in drawn.project(places))
     assert first < 0.7 * last and abs(middle - last) < 0.1
 
@@ -112,8 +112,7 @@ def test_a_very_fine_mesh_casts_the_shadow_of_a_coarse_one():
         corner = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
         faces = np.concatenate([corner[:, None] + step for step in ([0, cells + 1, 1], [1, cells + 1, cells + 2])])
         drawn = canvas(eye=(0.0, -10.0, 6.0))
-        ground = Patch(np.zeros(3), UP, EAST, np.zeros(3), 6.0, 100.0, (0.6, 0.6, 0.6))
-        draw_plane(drawn, ground, surfaces=[(np.stack([x, y, 0 * x + 0.5], axis=1), faces)])
+        draw_plane(drawn, GROUND, surfaces=[(np.stack([x, y, 0 * x + 0.5], axis=1), faces)])
         images.append(drawn.image())
     assert np.abs(images[0] - images[1]).max() < 0.05
 
