@@ -65,4 +65,25 @@ inline double highest_frequency(const Body& body, const Points& x) {
   return std::sqrt(std::max(0.0, dense::eigenvalues(scaled).maxCoeff()));
 }
 
+/// The largest eigenvalue of M^-1 A, where `subtract(u, f)` takes A u from f: Lanczos's method, with every vector orthogonal to all before.
+template <class Subtract>
+double largest_eigenvalue(const Body& body, Subtract&& subtract) {
+  const int n = 3 * body.points(), steps = 120;
+  const Eigen::ArrayXd root = body.mass.sqrt().replicate(3, 1);
+  Eigen::MatrixXd basis(n, steps), small = Eigen::MatrixXd::Zero(steps, steps);
+  Eigen::VectorXd next = Eigen::VectorXd::NullaryExpr(n, [](Eigen::Index i) { return std::sin(1.0 + i * i); });
+  for (int k = 0; k < steps; ++k) {
+    basis.col(k) = next.normalized();
+    Points u(body.points(), 3), f = Points::Zero(body.points(), 3);
+    Eigen::Map<Eigen::ArrayXd>(u.data(), n) = basis.col(k).array() / root;
+    subtract(u, f);
+    next = -Eigen::Map<Eigen::ArrayXd>(f.data(), n) / root;
+    const auto before = basis.leftCols(k + 1);
+    small.col(k).head(k + 1) = before.transpose() * next;
+    small.row(k) = small.col(k).transpose();
+    for (int twice = 0; twice < 2; ++twice) next -= before * (before.transpose() * next).eval();
+  }
+  return dense::eigenvalues(small).maxCoeff();
+}
+
 }  // namespace softffd
